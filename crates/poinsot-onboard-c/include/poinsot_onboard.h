@@ -24,7 +24,7 @@ extern "C" {
 /* Samples of the first window: the push of the last one replays them all, at most 24 times. */
 #define POINSOT_ONBOARD_WINDOW 150
 /* Bytes of a filter; poinsot_onboard_size() tells how many of them the target needs. */
-#define POINSOT_ONBOARD_SIZE 84000
+#define POINSOT_ONBOARD_SIZE 108000
 
 /* Codes of the functions, an int32_t. */
 enum {

@@ -1,7 +1,7 @@
 //! What a filter is told before it starts.
 
 use nalgebra::SymmetricEigen;
-use poinsot_spatial::{InertialParameters, Matrix3};
+use poinsot_spatial::{InertialParameters, Matrix3, Vector3};
 
 /// Most wheels.
 pub const WHEELS: usize = 8;
@@ -141,6 +141,14 @@ impl Configuration {
 
     pub(crate) fn wheels(&self) -> &[Wheel] {
         self.wheels.get(..self.wheel_count).unwrap_or_default()
+    }
+
+    /// Angular momentum of the wheels relative to the base at these speeds, in B, N m s.
+    pub(crate) fn wheel_momentum(&self, speeds: &[f64; WHEELS]) -> Vector3 {
+        let wheels = self.wheels().iter().zip(speeds);
+        wheels.fold(Vector3::zeros(), |h, (wheel, speed)| {
+            h + Vector3::from(wheel.axis_B) * (wheel.spin_inertia * speed)
+        })
     }
 
     /// All bodies with these parameters of the unknown one.

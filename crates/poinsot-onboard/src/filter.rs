@@ -6,8 +6,8 @@ use crate::health::{Checkpoints, SENSORS, SensorCounts, Tests};
 use crate::information::{OfParameters, Rows, back_substitute, eliminate};
 use crate::layout::{Layout, noises};
 use crate::motion::{
-    Columns, Excitation, Interval, Moving, ParameterSlope, StateVector, angular, parameter_slopes,
-    wheel_twists,
+    Bend, Columns, Excitation, Interval, Moving, ParameterSlope, StateVector, angular,
+    parameter_slopes, wheel_twists,
 };
 use crate::sample::Sample;
 use crate::stream::{Stream, Window};
@@ -37,12 +37,28 @@ pub(crate) struct Running {
     bias: Vector3,
     /// Angular velocity, in B.
     rate: Vector3,
-    /// Most likely wheel speeds.
+    /// Wheel speeds as they were read, and the most likely ones.
+    read: [f64; WHEELS],
     speeds: [f64; WHEELS],
     force_B: Vector3,
     torque_B: Vector3,
     /// Samples since the start.
     age: u32,
+}
+
+impl Running {
+    /// What the most likely wheel speeds are above those read.
+    fn found(&self) -> [f64; WHEELS] {
+        core::array::from_fn(|k| self.speeds[k] - self.read[k])
+    }
+}
+
+/// The last interval, and what the parameters did to the state in it.
+#[derive(Clone, Copy)]
+struct Step {
+    from: PoseMomentum,
+    interval: Interval,
+    parameters: [StateVector; PARAMETERS],
 }
 
 /// Recursive estimate of mass properties.
@@ -226,8 +242,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             false => Vector3::zeros(),
         };
         let whole = self.configuration.whole(&self.body).mass_properties()?;
-        let moving = self.moving();
-        let h_B = whole.I_BBcm_B * w + moving.wheel_momentum(&sample.wheel_speed);
+        let h_B = whole.I_BBcm_B * w + self.configuration.wheel_momentum(&sample.wheel_speed);
         let state = PoseMomentum {
             R_NB,
             p_NoBo_N,
@@ -239,6 +254,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             state,
             bias: Vector3::zeros(),
             rate: w,
+            read: sample.wheel_speed,
             speeds: sample.wheel_speed,
             force_B: sample.force_B.into(),
             torque_B: sample.torque_B.into(),
@@ -258,21 +274,22 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         Some(())
     }
 
-    /// Takes a sample that is in order; `None` where the numbers do not allow it.
-    pub(crate) fn take(&mut self, sample: &Sample) -> Option<()> {
+    /// Takes a sample that is in order, and what lies before it; `None` where the numbers do not allow it.
+    pub(crate) fn take(&mut self, sample: &Sample, bend: Bend) -> Option<()> {
         if self
             .running
             .is_some_and(|r| sample.time_s - r.time_s > self.configuration.longest_gap_s)
         {
             self.set_parameters(&self.of_parameters());
         }
+        let mut step = None;
         if self.running.is_some() {
-            self.advance(sample)?;
+            step = Some(self.advance(sample, bend)?);
         } else if self.start(sample).is_none() {
             // Without a start there is nothing to update.
             return Some(());
         }
-        self.measure(sample)?;
+        self.measure(sample, step)?;
         match self.running {
             Some(_) => self.follow_estimate(),
             None => Some(()),
@@ -280,10 +297,13 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     }
 
     /// Follows the motion to the time of a sample.
-    fn advance(&mut self, sample: &Sample) -> Option<()> {
+    fn advance(&mut self, sample: &Sample, bend: Bend) -> Option<Step> {
         let mut running = self.running?;
+        let from = running.state;
         let interval = Interval {
-            speeds: [running.speeds, sample.wheel_speed],
+            speeds: [running.read, sample.wheel_speed],
+            found: [running.found(), [0.0; WHEELS]],
+            bend,
             force_B: running.force_B,
             torque_B: running.torque_B,
             dt: sample.time_s - running.time_s,
@@ -292,19 +312,30 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let linear = Some((&mut columns, &self.shown));
         running.state = self.moving().follow(&running.state, &interval, linear)?;
         running.time_s = sample.time_s;
-        running.speeds = sample.wheel_speed;
+        (running.read, running.speeds) = (sample.wheel_speed, sample.wheel_speed);
         running.force_B = sample.force_B.into();
         running.torque_B = sample.torque_B.into();
         running.age = running.age.saturating_add(1);
         self.running = Some(running);
-        self.update_time(&columns, interval.dt)
+        self.update_time(&columns, &interval)?;
+        Some(Step {
+            from,
+            interval,
+            parameters: columns.parameters,
+        })
     }
 
     /// The triangle over the state at the end of an interval: the old state is replaced, the noises that entered are eliminated.
-    fn update_time(&mut self, columns: &Columns, dt: f64) -> Option<()> {
+    fn update_time(&mut self, columns: &Columns, interval: &Interval) -> Option<()> {
         let layout = self.layout;
-        let noise = self.configuration.noise;
-        let (wheels, gone) = (layout.wheels, layout.wheels + noises(&self.configuration));
+        let (noise, dt) = (self.configuration.noise, interval.dt);
+        let wheels = layout.wheels;
+        let of_mean = interval.bend.of_mean() * dt;
+        let means = if of_mean > 0.0 { wheels } else { 0 };
+        let entered = wheels + noises(&self.configuration);
+        let gone = entered + means;
+        let motion = self.here()?.motion;
+        let twists = wheel_twists(&self.configuration, &motion).map(|t| angular(&t));
         let (theta, width) = (layout.theta(), gone + layout.columns());
         let back = SMatrix::<f64, STATE, STATE>::from_columns(&columns.state).try_inverse()?;
         let walk = dt.abs().sqrt();
@@ -329,7 +360,10 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             ];
             let counted = [true, self.configuration.translates(), noise.bias_walk > 0.0];
             let entering = entering.iter().zip(counted).filter(|(_, counts)| *counts);
-            let places = out[wheels..gone].chunks_exact_mut(AXES);
+            for k in 0..means {
+                out[entered + k] = -over.fixed_rows::<AXES>(0).dot(&twists[k]) * of_mean;
+            }
+            let places = out[wheels..entered].chunks_exact_mut(AXES);
             for (places, ((slopes, sigma), _)) in places.zip(entering) {
                 for (place, slope) in places.iter_mut().zip(slopes) {
                     *place = -slope * sigma;
@@ -386,7 +420,9 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             configuration: &self.configuration,
             body: &self.body,
         };
-        let motion = moving.locked(&running.speeds)?.base_motion(&running.state);
+        let motion = moving
+            .locked(&running.speeds, &Vector6::zeros())?
+            .base_motion(&running.state);
         running.rate = motion.twist.w;
         Some(Here {
             R: running.state.R_NB.to_rotation_matrix().into_inner(),
@@ -396,14 +432,15 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     }
 
     /// All measurements of a sample.
-    fn measure(&mut self, sample: &Sample) -> Option<()> {
-        let here = self.here()?;
-        let running = self.running?;
+    fn measure(&mut self, sample: &Sample, step: Option<Step>) -> Option<()> {
+        let age = self.running?.age;
         let mut consistent = true;
         if let Some(gyro) = sample.gyro {
-            let measurement = self.gyro(&here, &running, gyro.into());
-            consistent &= self.update(&measurement, running.age);
+            self.smooth_speeds(gyro.into(), step)?;
+            let measurement = self.gyro(gyro.into())?;
+            consistent &= self.update(&measurement, age);
         }
+        let running = self.running?;
         if let Some(R_NB) = sample.rotation() {
             let residual = (running.state.R_NB.inverse() * R_NB).scaled_axis();
             let mut measurement = self.rows_of(1, &residual, self.configuration.noise.attitude);
@@ -446,7 +483,67 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         Measurement { sensor, rows }
     }
 
-    fn gyro(&self, here: &Here, running: &Running, measured: Vector3) -> Measurement<N> {
+    /// Moves the wheel speeds to the most likely ones that tachometers and gyro give together.
+    ///
+    /// The angular velocity at the tachometers' speeds has their noise, and so has the gyro's innovation about it. Slopes over the
+    /// inertia at that velocity are correlated with the innovation, which biases the estimate by a share of its sigma that
+    /// grows with the root of the number of samples. At the most likely speeds they are not correlated.
+    fn smooth_speeds(&mut self, measured: Vector3, step: Option<Step>) -> Option<()> {
+        if self.layout.wheels == 0 {
+            return Some(());
+        }
+        let measurement = self.gyro(measured)?;
+        let mut change = [0.0; N];
+        let size = self.weigh(&measurement).norm_squared();
+        let (none, state) = ([0.0; PARAMETERS], 0..self.layout.theta());
+        if size <= self.gate && back_substitute(&self.work, state, &none, &mut change).is_some() {
+            self.move_speeds(&change)?;
+            for row in &mut self.rows[..self.layout.columns()] {
+                let moved = row.iter().zip(&change).take(self.layout.wheels);
+                row[N - 1] -= moved.map(|(slope, x)| slope * x).sum::<f64>();
+            }
+            let far = change
+                .iter()
+                .take(self.layout.wheels)
+                .any(|x| x.abs() > MOVED);
+            if let (Some(step), true) = (step, far) {
+                self.straighten(step)?;
+            }
+        }
+        Some(())
+    }
+
+    /// Linearises the last interval about the wheel speeds found at its end.
+    fn straighten(&mut self, mut step: Step) -> Option<()> {
+        step.interval.found[1] = self.running?.found();
+        let mut columns = Columns::new();
+        let linear = Some((&mut columns, &self.shown));
+        self.moving().follow(&step.from, &step.interval, linear)?;
+        let layout = self.layout;
+        for row in &mut self.rows[..layout.columns()] {
+            let mut over = StateVector::zeros();
+            for (k, component) in layout.state().iter().enumerate() {
+                over[*component] = row[layout.pose() + k];
+            }
+            for (j, &k) in layout.unknown().iter().enumerate() {
+                row[layout.theta() + j] -= over.dot(&(columns.parameters[k] - step.parameters[k]));
+            }
+        }
+        Some(())
+    }
+
+    /// Moves the wheel speeds by so many sigma.
+    fn move_speeds(&mut self, change: &[f64; N]) -> Option<()> {
+        let speeds = self.running.as_mut()?.speeds.iter_mut();
+        for ((speed, wheel), x) in speeds.zip(self.configuration.wheels()).zip(change) {
+            *speed += wheel.noise * x;
+        }
+        Some(())
+    }
+
+    fn gyro(&mut self, measured: Vector3) -> Option<Measurement<N>> {
+        let here = self.here()?;
+        let running = self.running?;
         let (layout, motion) = (self.layout, &here.motion);
         let noise = self.configuration.noise.gyro;
         let residual = measured - motion.twist.w - running.bias;
@@ -465,11 +562,11 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
                 row[layout.theta() + j] = angular(&here.slopes[k].twist)[axis] / noise;
             }
         }
-        out
+        Some(out)
     }
 
-    /// Adds the rows of a measurement, unless its innovation is too large to be noise; whether it did.
-    fn update(&mut self, measurement: &Measurement<N>, age: u32) -> bool {
+    /// The triangle with the rows of a measurement, in `work`; what no change of the state explains: the whitened innovation.
+    fn weigh(&mut self, measurement: &Measurement<N>) -> Vector3 {
         let columns = self.layout.columns();
         self.work[..columns].copy_from_slice(&self.rows[..columns]);
         self.work[columns..columns + AXES].copy_from_slice(&measurement.rows);
@@ -477,15 +574,20 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             let below = columns..columns + AXES;
             eliminate(&mut self.work, (pivot, pivot), below, columns);
         }
-        // What no change of the state explains: the whitened innovation.
-        let innovation = [0, 1, 2].map(|k| self.work[columns + k][N - 1]);
-        let size: f64 = innovation.iter().map(|x| x * x).sum();
-        let accepted = size <= self.gate;
+        Vector3::from_fn(|axis, _| self.work[columns + axis][N - 1])
+    }
+
+    /// Adds the rows of a measurement, unless its innovation is too large to be noise; whether it did.
+    fn update(&mut self, measurement: &Measurement<N>, age: u32) -> bool {
+        let columns = self.layout.columns();
+        let innovation = self.weigh(measurement);
+        let accepted = innovation.norm_squared() <= self.gate;
         if accepted {
             self.rows[..columns].copy_from_slice(&self.work[..columns]);
         }
         if age >= SETTLING {
-            self.tests.add(measurement.sensor, &innovation, accepted);
+            self.tests
+                .add(measurement.sensor, innovation.as_ref(), accepted);
         }
         accepted
     }
@@ -544,17 +646,11 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     /// of which the data know nothing keep their prior, however often the point moves: a common factor of inertia and momentum in
     /// free rotation, of mass and momentum without a force.
     fn shift(&mut self, change: &[f64; N], body: [f64; PARAMETERS]) -> Option<()> {
+        // An error of a wheel speed is white: what is known of the momentum does not follow it.
+        self.move_speeds(change)?;
         let before = self.momentum_slopes()?;
         let layout = self.layout;
         let running = self.running.as_mut()?;
-        for ((speed, wheel), x) in running
-            .speeds
-            .iter_mut()
-            .zip(self.configuration.wheels())
-            .zip(change)
-        {
-            *speed += wheel.noise * x;
-        }
         let mut state = StateVector::zeros();
         for (k, component) in layout.state().iter().enumerate() {
             state[*component] = change[layout.pose() + k];

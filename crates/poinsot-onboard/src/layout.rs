@@ -76,7 +76,7 @@ impl Layout {
 /// Columns that a filter must have room for.
 pub fn required_capacity(configuration: &Configuration) -> usize {
     let layout = Layout::new(configuration);
-    let update = layout.columns() + layout.wheels + noises(configuration) + 1;
+    let update = layout.columns() + 2 * layout.wheels + noises(configuration) + 1;
     update.max(layout.columns() + AXES)
 }
 

@@ -18,13 +18,11 @@ const STEPS: u32 = 64;
 /// Samples that an excitation is remembered for.
 const MEMORY: f64 = 1000.0;
 /// Mean square of a velocity that may be noise of the wheel speeds, in their variance.
-const JITTER: f64 = 16.0;
+const JITTER: f64 = 4.0;
 /// Sum of squares of a velocity that may be the error of the estimate at its beginning, in the variance of gyro and bias.
 const STARTING: f64 = 40.0;
 /// Factor on the noise that a direction must exceed to be added: then it is accurate.
 const ADDED: f64 = 25.0;
-/// Share of the sum of squares of the velocity that is no direction of its own: 1 % of its size.
-const ACROSS: f64 = 1.0e-4;
 
 /// Numbers of a column.
 pub type StateVector = SVector<f64, STATE>;
@@ -32,13 +30,52 @@ pub type StateVector = SVector<f64, STATE>;
 /// What acts between two samples.
 #[derive(Debug, Clone, Copy)]
 pub struct Interval {
-    /// Wheel speeds at both ends, rad/s; straight between them.
+    /// Wheel speeds that were read at both ends, rad/s; straight between them but for the bend.
     pub speeds: [[f64; WHEELS]; 2],
+    /// What the most likely speeds are above those read, so far as they are known.
+    pub found: [[f64; WHEELS]; 2],
+    pub bend: Bend,
     /// Force and torque about `Bo` in B, constant.
     pub force_B: Vector3,
     pub torque_B: Vector3,
     /// Length, s.
     pub dt: f64,
+}
+
+/// What lies between two samples and is not straight: readings that were left out.
+#[derive(Debug, Clone, Copy)]
+pub struct Bend {
+    /// Momentum of the wheels less the impulse, about `Bo` in B, above the straight line between both ends; integral over the
+    /// interval, N s2 and N m s2.
+    pub offset: [f64; 2 * AXES],
+    /// Intervals between readings.
+    pub readings: u32,
+}
+
+impl Bend {
+    /// No reading in between.
+    pub const NONE: Self = Self {
+        offset: [0.0; 2 * AXES],
+        readings: 1,
+    };
+
+    /// What an error of the speed at the beginning is at `x` of the interval. It has a share of `1 / 2n` in the mean of `n + 1`
+    /// readings (trapezoids).
+    fn of_begin(&self, x: f64) -> f64 {
+        let mean = 0.5 / f64::from(self.readings.max(1));
+        1.0 - x - 3.0 * x * (1.0 - x) * (1.0 - 2.0 * mean)
+    }
+
+    /// Error of the mean by the readings in between, in that of one.
+    pub fn of_mean(&self) -> f64 {
+        let n = f64::from(self.readings.max(1));
+        (n - 1.0).sqrt() / n
+    }
+
+    /// What one at the end is.
+    fn of_end(&self, x: f64) -> f64 {
+        self.of_begin(1.0 - x)
+    }
 }
 
 /// The state at the end of an interval over what it depends on.
@@ -108,7 +145,7 @@ impl Excitation {
 
     /// Takes the directions from what was collected.
     pub fn settle(&mut self, configuration: &Configuration, motion: &BaseMotion) {
-        let noise = self.noise(configuration, motion) + ACROSS * self.scatter.trace();
+        let noise = self.noise(configuration, motion);
         let eigen = SymmetricEigen::try_new(self.scatter, f64::EPSILON, ITERATIONS);
         let Some(eigen) = eigen else {
             return;
@@ -136,7 +173,7 @@ impl Excitation {
             return;
         }
         let rest = Matrix3::identity() - self.projector;
-        let noise = ADDED * self.noise(configuration, motion) + ACROSS * self.scatter.trace();
+        let noise = ADDED * self.noise(configuration, motion);
         let across = rest * self.scatter * rest;
         if across.trace() <= noise {
             return;
@@ -158,7 +195,10 @@ impl Excitation {
         let (of_gyro, of_bias) = (configuration.noise.gyro, configuration.noise.bias);
         let wheels = wheel_twists(configuration, motion);
         let of_wheels: f64 = wheels.iter().map(|t| angular(t).norm_squared()).sum();
-        STARTING * (of_gyro * of_gyro + of_bias * of_bias) + JITTER * self.samples * of_wheels
+        // At the most likely speeds, by gyro and tachometers together.
+        let gyro = AXES as f64 * of_gyro * of_gyro;
+        let jitter = gyro * of_wheels / (gyro + of_wheels).max(f64::MIN_POSITIVE);
+        STARTING * (of_gyro * of_gyro + of_bias * of_bias) + JITTER * self.samples * jitter
     }
 
     /// Relative change of the inertia along the shown directions, `tr(P dI) / tr(P I)`, per unit of each element; zero where nothing is
@@ -276,32 +316,33 @@ impl Interval {
         self.torque_B - motion.centre.p_BoScm_B.cross(&self.force_B)
     }
 
+    /// Momentum above the straight line: a parabola.
+    fn momentum_at(&self, share: f64) -> Vector6 {
+        Vector6::from(self.bend.offset) * (6.0 * share * (1.0 - share) / self.dt)
+    }
+
     fn speeds_at(&self, share: f64) -> [f64; WHEELS] {
         let [from, to] = &self.speeds;
-        core::array::from_fn(|k| from[k] + share * (to[k] - from[k]))
+        let (begin, end) = (self.bend.of_begin(share), self.bend.of_end(share));
+        core::array::from_fn(|k| {
+            let found = begin * self.found[0][k] + end * self.found[1][k];
+            from[k] + share * (to[k] - from[k]) + found
+        })
     }
 }
 
 impl Moving<'_> {
-    /// The locked vehicle at these wheel speeds.
-    pub fn locked(&self, speeds: &[f64; WHEELS]) -> Option<LockedVehicle> {
+    /// The locked vehicle at these wheel speeds, with a momentum about `Bo` more.
+    pub fn locked(&self, speeds: &[f64; WHEELS], more: &Vector6) -> Option<LockedVehicle> {
         let whole = self.configuration.whole(self.body);
         let composite = Composite {
             mass: whole.mass,
             mc: whole.mc_B,
             I_SBo_B: whole.I_BBo_B,
         };
-        let h = self.wheel_momentum(speeds);
-        let joints = Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z);
+        let h = self.configuration.wheel_momentum(speeds);
+        let joints = Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z) + more;
         LockedVehicle::new(&composite, &composite, &joints)
-    }
-
-    /// Momentum of the wheels relative to the base, N m s.
-    pub fn wheel_momentum(&self, speeds: &[f64; WHEELS]) -> Vector3 {
-        let wheels = self.configuration.wheels().iter().zip(speeds);
-        wheels.fold(Vector3::zeros(), |h, (wheel, speed)| {
-            h + Vector3::from(wheel.axis_B) * (wheel.spin_inertia * speed)
-        })
     }
 
     /// Follows a state over an interval, and its columns where they are asked for.
@@ -311,7 +352,9 @@ impl Moving<'_> {
         interval: &Interval,
         mut linear: Option<(&mut Columns, &Excitation)>,
     ) -> Option<PoseMomentum> {
-        let start = self.locked(&interval.speeds[0])?.base_motion(state);
+        let start = self
+            .locked(&interval.speeds_at(0.0), &Vector6::zeros())?
+            .base_motion(state);
         let turns = (start.twist.w.norm() * interval.dt.abs() / TURN).ceil();
         if !turns.is_finite() || turns > f64::from(STEPS) {
             return None;
@@ -336,7 +379,8 @@ impl Moving<'_> {
         (shares, dt): ([f64; 3], f64),
         linear: &mut Option<(&mut Columns, &Excitation)>,
     ) -> Option<PoseMomentum> {
-        let [a, b, c] = shares.map(|share| self.locked(&interval.speeds_at(share)));
+        let [a, b, c] = shares
+            .map(|share| self.locked(&interval.speeds_at(share), &interval.momentum_at(share)));
         let locked = &[a?, b?, c?];
         let mut over = OverStep { locked, interval };
         let rate = over.rate(StepPoint::Begin, state)?;
@@ -349,7 +393,7 @@ impl Moving<'_> {
             let points = points.map(|(locked, state)| {
                 self.point(&locked.base_motion(state), state, interval, shown)
             });
-            carry(&points, shares, dt, columns);
+            carry(&points, (shares, &interval.bend), dt, columns);
         }
         Some(end)
     }
@@ -378,7 +422,7 @@ impl Moving<'_> {
 }
 
 /// Carries all columns over a step.
-fn carry(points: &[Point; 3], shares: [f64; 3], dt: f64, columns: &mut Columns) {
+fn carry(points: &[Point; 3], (shares, bend): ([f64; 3], &Bend), dt: f64, columns: &mut Columns) {
     let [begin, middle, end] = points;
     let rows = StepRows {
         pose: [&begin.pose, &middle.pose, &end.pose],
@@ -391,11 +435,16 @@ fn carry(points: &[Point; 3], shares: [f64; 3], dt: f64, columns: &mut Columns) 
     }
     let [at_start, at_end] = &mut columns.wheels;
     for k in 0..WHEELS {
-        let drive = |weight: fn(f64) -> f64| {
-            [0, 1, 2].map(|at| (points[at].wheels[k] * weight(shares[at])).into())
+        let drive = |weight: fn(&Bend, f64) -> f64| {
+            [0, 1, 2].map(|at| (points[at].wheels[k] * weight(bend, shares[at])).into())
         };
-        rows.carry(&mut at_start[k].data.0[0], &drive(|s| 1.0 - s), &none, dt);
-        rows.carry(&mut at_end[k].data.0[0], &drive(|s| s), &none, dt);
+        rows.carry(
+            &mut at_start[k].data.0[0],
+            &drive(Bend::of_begin),
+            &none,
+            dt,
+        );
+        rows.carry(&mut at_end[k].data.0[0], &drive(Bend::of_end), &none, dt);
     }
     for (k, column) in columns.parameters.iter_mut().enumerate() {
         let pose = points.each_ref().map(|p| p.parameters[k].into());

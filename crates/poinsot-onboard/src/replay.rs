@@ -3,7 +3,7 @@
 use crate::configuration::{PARAMETERS, PASSES};
 use crate::filter::{Filter, GATE, MOVED};
 use crate::health::{Checkpoint, Verdict};
-use crate::motion::Excitation;
+use crate::motion::{Bend, Excitation};
 use crate::sample::Sample;
 
 /// Shares of the prior by which the motion may deviate from that of the parameters in the first passes: far from the truth a motion
@@ -25,18 +25,18 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     /// The next sample in order.
     pub(crate) fn process(&mut self, sample: &Sample) {
         if self.window.done {
-            let verdict = self.step(sample, true);
+            let verdict = self.step(sample, Bend::NONE, true);
             self.conclude(verdict);
             return;
         }
-        if !self.window.gather(sample) || !self.window.is_due() {
+        if !self.window.gather(sample, &self.configuration) || !self.window.is_due() {
             return;
         }
         let verdict = self.replay();
         self.window.replayed = verdict != Verdict::Lost;
         let near = self.window.replayed && self.is_near();
-        let longest_s = self.configuration.longest_gap_s;
-        self.window.done = near || (self.window.count == WINDOW && !self.window.thin(longest_s));
+        let full = self.window.count == WINDOW;
+        self.window.done = near || (full && !self.window.thin(&self.configuration));
         self.conclude(verdict);
     }
 
@@ -48,8 +48,8 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     }
 
     /// One sample. Parameters stay while the window is replayed.
-    fn step(&mut self, sample: &Sample, moves: bool) -> Verdict {
-        let mut done = self.take(sample);
+    fn step(&mut self, sample: &Sample, bend: Bend, moves: bool) -> Verdict {
+        let mut done = self.take(sample, bend);
         if moves && self.running.is_some() {
             done = done.and_then(|()| self.follow_parameters());
         }
@@ -103,8 +103,8 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         self.shown.begin();
         let mut worst = Verdict::Clean;
         for k in 0..self.window.count {
-            let sample = self.window.samples[k];
-            let verdict = self.step(&sample, false);
+            let (sample, bend) = (self.window.samples[k], self.window.bends[k]);
+            let verdict = self.step(&sample, bend, false);
             if matches!(verdict, Verdict::Alarm | Verdict::LongAlarm) {
                 worst = verdict;
             }

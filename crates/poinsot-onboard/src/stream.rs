@@ -1,11 +1,16 @@
 //! Order and clock of the samples.
 
-use crate::configuration::{AXES, HELD_BACK};
+use crate::configuration::{Configuration, HELD_BACK};
+use crate::motion::Bend;
 use crate::sample::Sample;
+use nalgebra::ArrayStorage;
+use poinsot_spatial::{Vector3, Vector6};
 
-/// Longest intervals of a window that is thinned, in time, s, and in turn, rad.
-const STRAIGHT_S: f64 = 0.5;
-const STRAIGHT: f64 = 0.25;
+/// No force and no torque.
+const NONE: Vector6 = Vector6::from_array_storage(ArrayStorage([[0.0; 6]]));
+
+/// Largest turn between the samples of a window that is thinned, rad.
+const TURN: f64 = 0.25;
 /// Refused samples in a row, each soon after the one before, that show a new clock.
 const NEW_CLOCK: u32 = 3;
 
@@ -109,6 +114,8 @@ fn waiting_before(waiting: &[Sample], time: f64) -> usize {
 #[derive(Debug, Clone)]
 pub(crate) struct Window<const WINDOW: usize> {
     pub samples: [Sample; WINDOW],
+    /// What was left out before each of them.
+    pub bends: [Bend; WINDOW],
     pub count: usize,
     /// Whether they were replayed, and the window takes no more.
     pub done: bool,
@@ -118,21 +125,75 @@ pub(crate) struct Window<const WINDOW: usize> {
     thinned: u32,
     /// Samples left out since the one that was kept last.
     left_out: u32,
-    /// The last sample, and the impulse of force and torque up to it since the one that was kept last.
+    since: Since,
+}
+
+/// What acted since the sample that was kept last.
+#[derive(Debug, Clone, Copy)]
+struct Since {
+    /// The last sample.
     last: Sample,
-    impulse: [f64; 2 * AXES],
+    /// Impulse of force and torque.
+    impulse: Vector6,
+    /// Momentum of the wheels less the impulse, at the beginning and at the last sample, and its integral.
+    begin: Vector6,
+    momentum: Vector6,
+    integral: Vector6,
+    readings: u32,
+}
+
+impl Since {
+    const NOTHING: Self = Self {
+        last: Sample::at(0.0),
+        impulse: NONE,
+        begin: NONE,
+        momentum: NONE,
+        integral: NONE,
+        readings: 0,
+    };
+
+    /// From a sample on.
+    fn new(sample: &Sample, wheels: Vector6) -> Self {
+        Self {
+            last: *sample,
+            begin: wheels,
+            momentum: wheels,
+            ..Self::NOTHING
+        }
+    }
+
+    /// Up to the next sample, what lies before it included.
+    fn add(&mut self, sample: &Sample, bend: &Bend, wheels: Vector6) {
+        let dt = sample.time_s - self.last.time_s;
+        let [fx, fy, fz] = self.last.force_B;
+        let [tx, ty, tz] = self.last.torque_B;
+        self.impulse += Vector6::new(fx, fy, fz, tx, ty, tz) * dt;
+        let momentum = wheels - self.impulse;
+        self.integral += (self.momentum + momentum) * (0.5 * dt) + Vector6::from(bend.offset);
+        (self.momentum, self.last) = (momentum, *sample);
+        self.readings += bend.readings;
+    }
+
+    /// Against the straight line over so long.
+    fn bend(&self, dt: f64) -> Bend {
+        let straight = (self.begin + self.momentum) * (0.5 * dt);
+        Bend {
+            offset: (self.integral - straight).into(),
+            readings: self.readings,
+        }
+    }
 }
 
 impl<const WINDOW: usize> Window<WINDOW> {
     pub const NEW: Self = Self {
         samples: [Sample::at(0.0); WINDOW],
+        bends: [Bend::NONE; WINDOW],
         count: 0,
         done: false,
         replayed: false,
         thinned: 0,
         left_out: 0,
-        last: Sample::at(0.0),
-        impulse: [0.0; 2 * AXES],
+        since: Since::NOTHING,
     };
 
     /// Begins anew.
@@ -142,8 +203,9 @@ impl<const WINDOW: usize> Window<WINDOW> {
     }
 
     /// Takes a sample, or leaves it out; whether it took it.
-    pub fn gather(&mut self, sample: &Sample) -> bool {
-        self.gather_every(sample, 1 << self.thinned)
+    pub fn gather(&mut self, sample: &Sample, configuration: &Configuration) -> bool {
+        let momentum = configuration.wheel_momentum(&sample.wheel_speed);
+        self.gather_every(sample, (&Bend::NONE, momentum), 1 << self.thinned)
     }
 
     /// Whether it is full, or a thinned one by three quarters: from one replay to the next it grows by a half or a third.
@@ -151,43 +213,49 @@ impl<const WINDOW: usize> Window<WINDOW> {
         self.count == WINDOW || (self.thinned > 0 && self.count == WINDOW - WINDOW / 4)
     }
 
-    /// Keeps one sample of so many, and one that measures what the kept one before does not. What acted in between becomes its mean.
-    fn gather_every(&mut self, sample: &Sample, every: u32) -> bool {
-        let before = self
+    /// Keeps one sample of so many, and one that measures what the kept one before does not. Of what acted in between the impulse and
+    /// what it moves are kept.
+    fn gather_every(
+        &mut self,
+        sample: &Sample,
+        (bend, momentum): (&Bend, Vector3),
+        every: u32,
+    ) -> bool {
+        let wheels = Vector6::new(0.0, 0.0, 0.0, momentum.x, momentum.y, momentum.z);
+        let mut before = Bend::NONE;
+        let kept = self
             .count
             .checked_sub(1)
             .and_then(|k| self.samples.get_mut(k));
-        if let Some(kept) = before {
-            let dt = sample.time_s - self.last.time_s;
-            let acting = self.last.force_B.into_iter().chain(self.last.torque_B);
-            self.impulse
-                .iter_mut()
-                .zip(acting)
-                .for_each(|(sum, x)| *sum += x * dt);
+        if let Some(kept) = kept {
+            self.since.add(sample, bend, wheels);
             let tells = (sample.attitude.is_some() && kept.attitude.is_none())
                 || (sample.position.is_some() && kept.position.is_none());
             if self.left_out + 1 < every && !tells {
                 self.left_out += 1;
-                self.last = *sample;
                 return false;
             }
+            let dt = sample.time_s - kept.time_s;
             if self.left_out > 0 {
-                let mean = self.impulse.map(|x| x / (sample.time_s - kept.time_s));
-                kept.force_B.copy_from_slice(&mean[..AXES]);
-                kept.torque_B.copy_from_slice(&mean[AXES..]);
+                let [fx, fy, fz, tx, ty, tz] = (self.since.impulse / dt).into();
+                (kept.force_B, kept.torque_B) = ([fx, fy, fz], [tx, ty, tz]);
             }
+            before = self.since.bend(dt);
         }
-        if let Some(place) = self.samples.get_mut(self.count) {
-            *place = *sample;
+        if let Some((place, bend)) = self
+            .samples
+            .get_mut(self.count)
+            .zip(self.bends.get_mut(self.count))
+        {
+            (*place, *bend) = (*sample, before);
             self.count += 1;
         }
-        (self.last, self.left_out, self.impulse) = (*sample, 0, [0.0; 2 * AXES]);
+        (self.since, self.left_out) = (Since::new(sample, wheels), 0);
         true
     }
 
-    /// Leaves out every second sample of a full window, so that it can go on, unless intervals become too long for what lies
-    /// between them to be straight.
-    pub fn thin(&mut self, longest_s: f64) -> bool {
+    /// Leaves out every second sample of a full window, so that it can go on, unless the vehicle turns too far between them.
+    pub fn thin(&mut self, configuration: &Configuration) -> bool {
         let Some(last) = self.samples.last() else {
             return false;
         };
@@ -195,13 +263,14 @@ impl<const WINDOW: usize> Window<WINDOW> {
         let rates = self.samples.iter().filter_map(|s| s.gyro);
         let squares = rates.map(|[x, y, z]| x * x + y * y + z * z);
         let fastest = squares.fold(0.0, f64::max);
-        if next > longest_s.min(STRAIGHT_S) || next * next * fastest > STRAIGHT * STRAIGHT {
+        if next > configuration.longest_gap_s || next * next * fastest > TURN * TURN {
             return false;
         }
         (self.count, self.left_out) = (0, 0);
         for k in 0..WINDOW {
-            let sample = self.samples[k];
-            self.gather_every(&sample, 2);
+            let (sample, bend) = (self.samples[k], self.bends[k]);
+            let momentum = configuration.wheel_momentum(&sample.wheel_speed);
+            self.gather_every(&sample, (&bend, momentum), 2);
         }
         self.left_out <<= self.thinned;
         self.thinned += 1;

@@ -100,11 +100,26 @@ fn stat_errors_are_those_of_the_covariance() {
     }
 }
 
-/// The window has the same number of samples at any rate: here it lasts 7.5 s, in which the parameters are not found.
+/// The window has the same number of samples at any rate: here it lasts 7.5 and 1.5 s, in which the parameters are not found.
 #[test]
-fn stat_errors_are_those_of_the_covariance_at_20_hz() {
-    for setup in setups::all() {
-        calibrated(&setup.faster(4), trials().div_ceil(4), 0.02);
+fn stat_errors_are_those_of_the_covariance_at_other_rates() {
+    for faster in [4, 20] {
+        for setup in setups::all() {
+            calibrated(&setup.faster(faster), trials().div_ceil(4), 0.02);
+        }
+    }
+}
+
+/// Angular velocities by the tachometers are as noisy as those of the gyro, 4 and 10 times as noisy.
+#[test]
+fn stat_errors_are_those_of_the_covariance_with_noisy_tachometers() {
+    let (bus, tumbling) = (setups::bus_with_wheels, setups::tumbling);
+    for (noise, mut setup) in [(0.5, bus()), (0.5, tumbling()), (5.0, bus())] {
+        for wheel in &mut setup.configuration.wheels {
+            wheel.noise = noise;
+        }
+        println!("tachometers of {noise} rad/s:");
+        calibrated(&setup.faster(20), trials().div_ceil(4), 0.02);
     }
 }
 
