@@ -13,9 +13,6 @@ use std::path::{Path, PathBuf};
 /// Longest gap in steps of the first two samples, and at least in seconds.
 const GAP: f64 = 5.0;
 const GAP_S: f64 = 0.5;
-/// Shortest time between two samples of a vehicle without thrusters that the filter takes, s. Its columns have the noise of the
-/// tachometers, which biases numbers by a share of their sigma that grows with the root of the rate: docs/validation/on_board.md.
-const SHORTEST_S: f64 = 0.05;
 /// Half-width of a 95 % interval, sigmas.
 const INTERVAL: f64 = 1.96;
 /// Power of time with which a sigma must fall, at least, so that a time to reach another one is said.
@@ -149,8 +146,6 @@ pub struct Follower {
     /// Time of the first sample, s.
     first: f64,
     courses: Vec<Course>,
-    /// Time of the last sample that the filter was given, s, and whether it had an attitude.
-    used: Option<(f64, bool)>,
 }
 
 impl Follower {
@@ -176,13 +171,8 @@ impl Follower {
             one_run: false,
             ..read_options(&model, &model.telemetry, false, false)
         };
-        let mut on_board = OnBoard::new(&model, None)?;
-        if model.thrusters.is_empty() {
-            let most = format!("assumed: {} samples a second are enough", 1.0 / SHORTEST_S);
-            on_board.assumed.push(most);
-        }
         Ok(Self {
-            on_board,
+            on_board: OnBoard::new(&model, None)?,
             model,
             filter: None,
             options,
@@ -197,7 +187,6 @@ impl Follower {
             accuracy: RELATIVE_ACCURACY,
             first: f64::NAN,
             courses: Vec::new(),
-            used: None,
         })
     }
 
@@ -303,9 +292,6 @@ impl Follower {
             }
             let newest = self.newest;
             for sample in pair.iter().filter(|s| s.time_s > newest) {
-                if !self.is_due(sample) {
-                    continue;
-                }
                 if let Some(filter) = &mut self.filter {
                     // A refused sample is not counted; what follows from refusals shows in the health.
                     let _ = filter.push(sample);
@@ -318,19 +304,6 @@ impl Follower {
             }
         }
         out
-    }
-
-    /// Whether a sample is late enough after the one before, or has an attitude that that one has not.
-    fn is_due(&mut self, sample: &Sample) -> bool {
-        let before = self.used.filter(|_| self.model.thrusters.is_empty());
-        let due = before.is_none_or(|(time_s, seen)| {
-            let short = sample.time_s - time_s < (1.0 - 1.0e-6) * SHORTEST_S;
-            !short || (sample.attitude.is_some() && !seen)
-        });
-        if due {
-            self.used = Some((sample.time_s, sample.attitude.is_some()));
-        }
-        due
     }
 
     fn known(&mut self, time_s: f64) -> Option<Followed> {
