@@ -3,7 +3,7 @@
 use super::channels::{Channels, JointColumns};
 use super::driven_wheels::speed_column;
 use poinsot_files::{Fault, Faults, Place};
-use poinsot_model::JointKind;
+use poinsot_model::{Joint, JointKind};
 use poinsot_telemetry::{Channel, noise_level};
 
 /// Likeness of two names from which one is told beside the other.
@@ -16,87 +16,73 @@ const MOVES: f64 = 6.0;
 const OF_RATES: [&str; 7] = ["vel", "rate", "speed", "rpm", "dot", "_s", "omega"];
 const OF_EFFORTS: [&str; 5] = ["torque", "effort", "current", "volt", "temp"];
 
+/// A joint, wheel or thruster without a channel.
+struct Silent<'a> {
+    subject: &'a str,
+    channel: String,
+    /// What the model says of it.
+    said: Option<String>,
+    /// What would say it.
+    declare: &'static str,
+    /// Words that are in no column of it.
+    other: Vec<&'static str>,
+    /// The rate that says that it moves.
+    moves: Option<String>,
+}
+
 /// Every joint, wheel and thruster without a column, with what the model says of it.
 ///
 /// # Errors
 /// The model does not say what one of them does, or a rate contradicts it.
 pub(super) fn held(channels: &Channels, repairs: &mut Vec<String>) -> Result<(), Faults> {
     let model = channels.model;
+    let joints = channels.joints().filter(|j| j.position.is_none());
+    let joints = joints.map(|columns| of_joint(&model.joints[columns.at], columns));
+    let wheels = model.wheels.iter().zip(channels.tachometers());
+    let wheels = wheels.filter(|(_, speed)| speed.is_none());
+    let wheels = wheels.map(|(wheel, _)| Silent {
+        subject: &wheel.name,
+        channel: speed_column(&wheel.name),
+        said: wheel.at_rest.then(|| "at rest (at_rest)".to_owned()),
+        declare: "at_rest = true where it stands still",
+        other: OF_EFFORTS.to_vec(),
+        moves: None,
+    });
+    let thrusters = model.thrusters.iter().map(|thruster| Silent {
+        subject: &thruster.name,
+        channel: format!("{}_N", thruster.name),
+        said: (thruster.never_fires).then(|| "off (never_fires)".to_owned()),
+        declare: "never_fires = true where it is off",
+        other: Vec::new(),
+        moves: None,
+    });
+    let thrusters = thrusters.filter(|own| channels.find(None, &own.channel).is_none());
     let mut faults = Vec::new();
-    let mut one = |said: Result<Option<String>, Faults>| match said {
-        Ok(words) => {
-            let words = words.into_iter();
-            repairs.extend(words.map(|w| format!("{}: {w}", channels.label)));
+    for part in joints.chain(wheels).chain(thrusters) {
+        match (&part.said, &part.moves) {
+            (Some(said), None) => repairs.push(format!(
+                "{}: no channel '{}': assumed: {} {said}",
+                channels.label, part.channel, part.subject
+            )),
+            _ => faults.push(part.fault(channels)),
         }
-        Err(missing) => faults.extend(missing.list),
-    };
-    let joints = channels.joints();
-    joints.for_each(|columns| one(joint(channels, &columns)));
-    for (wheel, speed) in model.wheels.iter().zip(channels.tachometers()) {
-        let name = speed_column(&wheel.name);
-        let still = wheel.at_rest.then_some("at rest (at_rest)");
-        let declare = "at_rest = true where it stands still";
-        let of = (wheel.name.as_str(), name.as_str(), &OF_EFFORTS[..]);
-        one(unless_read(
-            speed.is_some(),
-            channels,
-            of,
-            still.ok_or(declare),
-        ));
-    }
-    for thruster in &model.thrusters {
-        let name = format!("{}_N", thruster.name);
-        let still = thruster.never_fires.then_some("off (never_fires)");
-        let declare = "never_fires = true where it is off";
-        let of = (thruster.name.as_str(), name.as_str(), &[][..]);
-        let read = channels.find(None, &name).is_some();
-        one(unless_read(read, channels, of, still.ok_or(declare)));
     }
     Faults::none_or(faults, ())
 }
 
-/// What is said of a wheel or thruster without a channel: what the model declares, or what would declare it.
-fn unless_read(
-    is_read: bool,
-    channels: &Channels,
-    of: (&str, &str, &[&str]),
-    declared: Result<&str, &str>,
-) -> Result<Option<String>, Faults> {
-    let (subject, name, _) = of;
-    match declared {
-        _ if is_read => Ok(None),
-        Ok(still) => Ok(Some(format!(
-            "no channel '{name}': assumed: {subject} {still}"
-        ))),
-        Err(declare) => Err(nothing_says(channels, of, declare).into()),
-    }
-}
-
-fn joint(channels: &Channels, columns: &JointColumns) -> Result<Option<String>, Faults> {
-    let joint = &channels.model.joints[columns.at];
-    let (name, rate_name) = (&columns.position_name, &columns.rate_name);
-    if columns.position.is_some() {
-        return Ok(None);
-    }
-    let no_position: Vec<&str> = OF_RATES.iter().chain(&OF_EFFORTS).copied().collect();
-    let advice = match joint.kind {
-        JointKind::Prismatic => "locked_at_m where it is locked",
-        _ => "locked_at_rad where it is locked",
-    };
-    let of = (joint.name.as_str(), name.as_str(), &no_position[..]);
-    let mut fault = nothing_says(channels, of, advice);
-    let moves = columns.rate.is_some_and(moves);
-    match (joint.declared_at(), moves) {
-        (Some((position, key)), false) => Ok(Some(format!(
-            "no channel '{name}': assumed: {} locked at {position} ({key})",
-            joint.name
-        ))),
-        (_, true) => {
-            fault.problem =
-                format!("no channel '{name}', but '{rate_name}' says that the joint moves");
-            Err(fault.into())
-        }
-        (None, false) => Err(fault.into()),
+fn of_joint<'a>(joint: &'a Joint, columns: JointColumns<'_>) -> Silent<'a> {
+    let said = joint.declared_at();
+    let moving = columns.rate.is_some_and(moves);
+    Silent {
+        subject: &joint.name,
+        channel: columns.position_name,
+        said: said.map(|(position, key)| format!("locked at {position} ({key})")),
+        declare: match joint.kind {
+            JointKind::Prismatic => "locked_at_m where it is locked",
+            _ => "locked_at_rad where it is locked",
+        },
+        other: [&OF_RATES[..], &OF_EFFORTS].concat(),
+        moves: moving.then_some(columns.rate_name),
     }
 }
 
@@ -106,35 +92,39 @@ fn moves(rate: &Channel) -> bool {
     rate.values.iter().any(|x| x.abs() > MOVES * noise)
 }
 
-/// E0301 of a joint, wheel or thruster, of which `name` is the missing channel; `other` words are in no column of it.
-fn nothing_says(
-    channels: &Channels,
-    (subject, name, other): (&str, &str, &[&str]),
-    declare: &str,
-) -> Fault {
-    let unused = &channels.table.ignored;
-    let plain = |text: &str| text.to_lowercase();
-    let likeness = |column: &str| {
-        let column = plain(column);
-        let own = column.contains(&plain(subject));
-        let alike = strsim::jaro_winkler(&column, &plain(name));
-        let rest = column.replace(&plain(subject), "");
-        let fits = !other.iter().any(|word| rest.contains(word));
-        (fits && (own || alike > ALIKE)).then(|| alike + f64::from(u8::from(own)))
-    };
-    let near = unused.iter().filter_map(|c| Some((likeness(c)?, c)));
-    let unit = poinsot_telemetry::classify(name).map_or("", |c| c.dimension.si());
-    let map = match near.max_by(|a, b| a.0.total_cmp(&b.0)) {
-        Some((_, column)) => format!(
-            "map the unused column '{column}' by [telemetry.columns] {name} = {{ column = \"{column}\", unit = \"{unit}\" }}, with its own unit"
-        ),
-        None if unused.is_empty() => "add the column".to_owned(),
-        None => {
-            let told: Vec<&str> = unused.iter().take(TOLD).map(String::as_str).collect();
-            format!("add or map its column (unused: {})", told.join(", "))
-        }
-    };
-    let problem = format!("no channel '{name}', and the model does not say what {subject} does");
-    let advice = format!("{map}; or write {declare}");
-    Fault::new("E0301", Place::label(channels.label), problem, advice)
+impl Silent<'_> {
+    /// E0301, with the unused column that is most like it.
+    fn fault(&self, channels: &Channels) -> Fault {
+        let (subject, name) = (self.subject, self.channel.as_str());
+        let unused = &channels.table.ignored;
+        let [plain_subject, plain_name] = [subject, name].map(str::to_lowercase);
+        let likeness = |column: &str| {
+            let column = column.to_lowercase();
+            let own = column.contains(&plain_subject);
+            let alike = strsim::jaro_winkler(&column, &plain_name);
+            let rest = column.replace(&plain_subject, "");
+            let fits = !self.other.iter().any(|word| rest.contains(word));
+            (fits && (own || alike > ALIKE)).then(|| alike + f64::from(u8::from(own)))
+        };
+        let near = unused.iter().filter_map(|c| Some((likeness(c)?, c)));
+        let unit = poinsot_telemetry::classify(name).map_or("", |c| c.dimension.si());
+        let map = match near.max_by(|a, b| a.0.total_cmp(&b.0)) {
+            Some((_, column)) => format!(
+                "map the unused column '{column}' by [telemetry.columns] {name} = {{ column = \"{column}\", unit = \"{unit}\" }}, with its own unit"
+            ),
+            None if unused.is_empty() => "add the column".to_owned(),
+            None => {
+                let told: Vec<&str> = unused.iter().take(TOLD).map(String::as_str).collect();
+                format!("add or map its column (unused: {})", told.join(", "))
+            }
+        };
+        let problem = match &self.moves {
+            Some(rate) => format!("no channel '{name}', but '{rate}' says that the joint moves"),
+            None => {
+                format!("no channel '{name}', and the model does not say what {subject} does")
+            }
+        };
+        let advice = format!("{map}; or write {}", self.declare);
+        Fault::new("E0301", Place::label(channels.label), problem, advice)
+    }
 }
