@@ -1,8 +1,9 @@
 //! The command line.
 
 use crate::words::Words;
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
 use poinsot::{Coordinates, Modes};
+use poinsot_telemetry::Encoding;
 use std::ffi::OsString;
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -146,15 +147,6 @@ pub enum Verb {
     Man(Man),
 }
 
-/// A format of a figure.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum FigureFile {
-    /// Scalable.
-    Svg,
-    /// Pixels.
-    Png,
-}
-
 /// How a result is printed.
 #[derive(Debug, Args)]
 pub struct Print {
@@ -198,8 +190,8 @@ pub struct Identify {
     #[arg(long, requires = "out")]
     pub report: bool,
     /// Also write every figure as a file in DIR/figures: svg, or png if built with the feature `png`.
-    #[arg(long, value_delimiter = ',', value_name = "FORMAT", requires = "out")]
-    pub figures: Vec<FigureFile>,
+    #[arg(long, value_delimiter = ',', value_name = "FORMAT", value_parser = ["svg", "png"], requires = "out")]
+    pub figures: Vec<String>,
     /// Largest half-width of the 95 % interval, relative to nominal, of a number that is printed.
     #[arg(long, default_value_t = 1.0)]
     pub relative_accuracy: f64,
@@ -248,26 +240,8 @@ pub struct Rows {
     #[arg(long, value_name = "MIB")]
     pub memory_mib: Option<usize>,
     /// Encoding of CSV text.
-    #[arg(long, value_enum, default_value_t = TextEncoding::Utf8)]
-    pub encoding: TextEncoding,
-}
-
-/// Encodings of CSV text.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum TextEncoding {
-    /// UTF-8.
-    Utf8,
-    /// ISO 8859-1.
-    Latin1,
-}
-
-impl From<TextEncoding> for poinsot_telemetry::Encoding {
-    fn from(encoding: TextEncoding) -> Self {
-        match encoding {
-            TextEncoding::Utf8 => Self::Utf8,
-            TextEncoding::Latin1 => Self::Latin1,
-        }
-    }
+    #[arg(long, default_value = Encoding::NAMES[0], value_parser = Encoding::NAMES, value_name = "ENCODING")]
+    pub encoding: String,
 }
 
 fn span(text: &str) -> Result<[f64; 2], String> {
@@ -400,8 +374,8 @@ pub struct Study {
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Formats of the figures: svg, or png if built with the feature `png`.
-    #[arg(long, value_delimiter = ',', value_name = "FORMAT", requires = "out")]
-    pub figures: Vec<FigureFile>,
+    #[arg(long, value_delimiter = ',', value_name = "FORMAT", value_parser = ["svg", "png"], requires = "out")]
+    pub figures: Vec<String>,
     /// How the answer is printed.
     #[command(flatten)]
     pub print: Print,
@@ -501,13 +475,6 @@ pub struct Validate {
     pub recover: bool,
 }
 
-/// Schedulers for which scripts are written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Emit {
-    /// Slurm: an array of tasks and a merge.
-    Slurm,
-}
-
 /// Arguments of `campaign`.
 #[derive(Debug, Args)]
 pub struct Campaign {
@@ -546,8 +513,8 @@ pub struct Campaign {
     #[arg(long)]
     pub estimate: bool,
     /// Write scheduler scripts into DIR/slurm without running anything.
-    #[arg(long, value_enum, value_name = "SCHEDULER", requires = "out")]
-    pub emit: Option<Emit>,
+    #[arg(long, value_parser = ["slurm"], value_name = "SCHEDULER", requires = "out")]
+    pub emit: Option<String>,
     /// How the answer is printed.
     #[command(flatten)]
     pub print: Print,
@@ -641,8 +608,8 @@ pub struct Report {
     #[arg(long, value_name = "DIR")]
     pub compare: Vec<PathBuf>,
     /// Also write every figure as a file in DIR/figures: svg, or png if built with the feature `png`.
-    #[arg(long, value_delimiter = ',', value_name = "FORMAT")]
-    pub figures: Vec<FigureFile>,
+    #[arg(long, value_delimiter = ',', value_name = "FORMAT", value_parser = ["svg", "png"])]
+    pub figures: Vec<String>,
     /// How the answer is printed.
     #[command(flatten)]
     pub print: Print,

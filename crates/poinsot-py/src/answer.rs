@@ -2,18 +2,18 @@
 
 use crate::fault::Fault;
 use crate::model::CoreModel;
-use crate::record::{CoreRecord, encoding};
+use crate::record::CoreRecord;
 use crate::run::run;
 use numpy::{PyArray1, PyArray2};
 use poinsot::report::report_data;
 use poinsot::{
     Coordinates, IDENTIFY_MIB, Identified, Modes, Question, Reading, estimate_file, estimate_text,
-    identify_records, write_result,
+    identify_records, row_step, write_result,
 };
 use poinsot_figures::{FigureFormat, TextStyle, WITHOUT_PNG};
 use poinsot_identify::PredictedChannel;
 use poinsot_report::{Detail, estimate_document, report_html};
-use poinsot_telemetry::Part;
+use poinsot_telemetry::{Encoding, Part};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
@@ -47,42 +47,33 @@ where
     }
 }
 
+/// A choice by its name, by default the usual one.
+///
+/// # Errors
+/// There is no such choice.
+pub fn chosen<T: Default>(
+    option: &'static str,
+    name: Option<String>,
+    names: &[&str],
+    of: impl Fn(&str) -> Option<T>,
+) -> Result<T, Fault> {
+    let Some(name) = name else {
+        return Ok(T::default());
+    };
+    of(&name).ok_or_else(|| {
+        let advice = format!("use one of {}", names.join(", "));
+        Fault::argument(option, &name, "there is no such choice", advice)
+    })
+}
+
 impl Options {
     fn of(given: &Bound<'_, PyDict>) -> PyResult<Self> {
         let usual = Question::default();
-        let coordinates = match entry::<String>(given, "coordinates")? {
-            None => usual.coordinates,
-            Some(name) => Coordinates::from_name(&name).ok_or_else(|| {
-                let all = Coordinates::NAMES.join(", ");
-                let advice = format!("use one of {all}");
-                Fault::argument(
-                    "--coordinates",
-                    name,
-                    "there are no such coordinates",
-                    advice,
-                )
-            })?,
-        };
-        let modes = match entry::<String>(given, "modes")? {
-            None => usual.modes,
-            Some(name) => Modes::from_name(&name).ok_or_else(|| {
-                let advice = format!("use one of {}", Modes::NAMES.join(", "));
-                Fault::argument("--modes", name, "there is no such choice", advice)
-            })?,
-        };
-        let every = match entry::<usize>(given, "every")? {
-            Some(0) => {
-                return Err(Fault::argument(
-                    "--every",
-                    "0",
-                    "the number of rows must be at least 1",
-                    "give 1 for all, 10 for every tenth",
-                )
-                .into());
-            }
-            every => every.unwrap_or(1),
-        };
-        let encoded = entry::<String>(given, "encoding")?;
+        let every = entry(given, "every")?.unwrap_or(1);
+        let every = row_step(every).map_err(Fault::from)?;
+        let coordinates = entry(given, "coordinates")?;
+        let modes = entry(given, "modes")?;
+        let encoded = entry(given, "encoding")?;
         Ok(Self {
             question: Question {
                 method: entry(given, "method")?.unwrap_or(usual.method),
@@ -90,8 +81,13 @@ impl Options {
                 settings: entry(given, "settings")?.unwrap_or_default(),
                 relative_accuracy: entry(given, "relative_accuracy")?
                     .unwrap_or(usual.relative_accuracy),
-                coordinates,
-                modes,
+                coordinates: chosen(
+                    "--coordinates",
+                    coordinates,
+                    &Coordinates::NAMES,
+                    Coordinates::from_name,
+                )?,
+                modes: chosen("--modes", modes, &Modes::NAMES, Modes::from_name)?,
                 strict: entry(given, "strict")?.unwrap_or(usual.strict),
                 repair: entry(given, "repair")?.unwrap_or(usual.repair),
                 policies: entry(given, "policies")?.unwrap_or_default(),
@@ -100,7 +96,7 @@ impl Options {
                 model: None,
                 map: entry(given, "map")?,
                 recover: entry(given, "recover")?.unwrap_or(false),
-                encoding: encoding(encoded.as_deref().unwrap_or("utf8"))?,
+                encoding: chosen("--encoding", encoded, &Encoding::NAMES, Encoding::from_name)?,
                 time_s: entry(given, "time_s")?,
                 every,
                 memory_mib: entry(given, "memory_mib")?.unwrap_or(IDENTIFY_MIB),

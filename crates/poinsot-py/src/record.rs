@@ -1,10 +1,9 @@
 //! Telemetry of one segment: files, arrays, or both.
 
 use crate::arrays::column;
-use crate::fault::Fault;
 use numpy::PyArray1;
 use poinsot_telemetry::{
-    Channel, Encoding, MemoryColumns, Part, ReadOptions, Table, Values, full_name, read_parts,
+    Channel, MemoryColumns, Part, ReadOptions, Table, Values, full_name, read_parts,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -118,22 +117,5 @@ pub fn record_of(name: &str, table: &Table) -> CoreRecord {
     let parts = bases.into_iter().map(|(_, m)| Part::Memory(Arc::new(m)));
     CoreRecord {
         parts: parts.collect(),
-    }
-}
-
-/// The encoding of a name.
-///
-/// # Errors
-/// There is no such encoding.
-pub fn encoding(name: &str) -> Result<Encoding, Fault> {
-    match name {
-        "utf8" => Ok(Encoding::Utf8),
-        "latin1" => Ok(Encoding::Latin1),
-        other => Err(Fault::argument(
-            "--encoding",
-            other,
-            "there is no such encoding",
-            "use one of utf8, latin1",
-        )),
     }
 }

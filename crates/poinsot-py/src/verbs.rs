@@ -1,9 +1,9 @@
 //! The verbs beside `identify`: documents as JSON and as the text of the command.
 
-use crate::answer::CoreAnswer;
+use crate::answer::{CoreAnswer, chosen};
 use crate::fault::Fault;
 use crate::printed::{Printed, json, printed};
-use crate::record::{CoreRecord, encoding, record_of};
+use crate::record::{CoreRecord, record_of};
 use crate::run::run;
 use poinsot::bind::mountings;
 use poinsot::case::read_case;
@@ -19,7 +19,7 @@ use poinsot_model::read_model;
 use poinsot_report::{
     comparison_document, prediction_document, several_document, validation_document,
 };
-use poinsot_telemetry::{MEMORY_MIB, Mounting, ReadOptions, mount};
+use poinsot_telemetry::{Encoding, MEMORY_MIB, Mounting, ReadOptions, mount};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
@@ -45,7 +45,12 @@ pub fn inspect(
     encoded: &str,
 ) -> PyResult<(String, String)> {
     let options = ReadOptions {
-        encoding: encoding(encoded)?,
+        encoding: chosen(
+            "--encoding",
+            Some(encoded.to_owned()),
+            &Encoding::NAMES,
+            Encoding::from_name,
+        )?,
         recover,
         time_s,
         every,

@@ -57,3 +57,14 @@ pub enum Encoding {
     /// ISO 8859-1: one byte per character.
     Latin1,
 }
+
+impl Encoding {
+    /// Names for the command line.
+    pub const NAMES: [&'static str; 2] = ["utf8", "latin1"];
+
+    /// By its name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        let at = Self::NAMES.iter().position(|own| *own == name)?;
+        [Self::Utf8, Self::Latin1].get(at).copied()
+    }
+}

@@ -729,6 +729,23 @@ pub fn read_options(model: &Model, map: &TelemetryMap, strict: bool, recover: bo
     }
 }
 
+/// Every which row is read, as an option says it.
+///
+/// # Errors
+/// Zero.
+///
+/// ```
+/// assert!(poinsot::row_step(10).is_ok_and(|every| every == 10) && poinsot::row_step(0).is_err());
+/// ```
+pub fn row_step(every: usize) -> Result<usize, Error> {
+    let problem = "the number of rows must be at least 1";
+    let advice = "give 1 for all, 10 for every tenth";
+    match every {
+        0 => Err(Error::usage("--every", "0", problem, advice)),
+        every => Ok(every),
+    }
+}
+
 /// Splits `a.csv,b.csv` into the files of one segment.
 ///
 /// ```

@@ -147,7 +147,7 @@ pub use guard::{guarded, panic_error};
 pub use identify::{Gated, gated};
 pub use identify::{
     IDENTIFY_MIB, Identified, IdentifyRequest, Question, Reading, identify, identify_records,
-    identify_tables, segment_files,
+    identify_tables, row_step, segment_files,
 };
 pub use import::import;
 pub use init::init;

@@ -1,7 +1,7 @@
 //! `poinsot campaign`
 
 use super::{Outcome, exit_of, note, noted, print, print_document, print_json, print_result};
-use crate::arguments::{Campaign, Emit};
+use crate::arguments::Campaign;
 use poinsot::campaign::{
     CampaignRequest, CampaignRun, Plan, campaign, campaign_cost, merge_campaign, read_plan,
     slurm_scripts,
@@ -35,7 +35,7 @@ pub fn run(arguments: &Campaign) -> Outcome {
     })?;
     let results = ["campaign.json", "campaign.html"].map(|n| out.join(n));
     check_outputs("--out", &results, &[&arguments.plan])?;
-    if let Some(Emit::Slurm) = arguments.emit {
+    if arguments.emit.is_some() {
         return emit(arguments, &plan, out);
     }
     let ran = match &arguments.merge {

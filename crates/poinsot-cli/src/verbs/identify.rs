@@ -1,15 +1,14 @@
 //! `poinsot identify`
 
-use super::{
-    Outcome, command_line, exit_of, formats, noted, print_document, print_result, shown, step,
-};
+use super::{Outcome, command_line, exit_of, formats, noted, print_document, print_result, shown};
 use crate::arguments::Identify;
 use poinsot::{
     Coordinates, Error, IDENTIFY_MIB, IdentifyRequest, Modes, Question, Reading, check_outputs,
-    estimate_file, identify, segment_files, write_result,
+    estimate_file, identify, row_step, segment_files, write_result,
 };
 use poinsot_files::{Fault, Place};
 use poinsot_report::{Detail, estimate_document};
+use poinsot_telemetry::Encoding;
 use std::path::Path;
 
 pub fn run(arguments: &Identify) -> Outcome {
@@ -27,9 +26,9 @@ pub fn run(arguments: &Identify) -> Outcome {
             model: None,
             map: arguments.map.clone(),
             recover: arguments.recover,
-            encoding: rows.encoding.into(),
+            encoding: Encoding::from_name(&rows.encoding).unwrap_or_default(),
             time_s: rows.time_s,
-            every: step(rows)?,
+            every: row_step(rows.every)?,
             memory_mib: rows.memory_mib.unwrap_or(IDENTIFY_MIB),
         },
         question: Question {

@@ -25,7 +25,7 @@ pub mod validate;
 
 use std::sync::{Mutex, OnceLock};
 
-use crate::arguments::{FigureFile, Print};
+use crate::arguments::Print;
 use poinsot::Error;
 use poinsot_figures::{Document, FigureFormat, WITHOUT_PNG};
 use poinsot_files::{Fault, Place, error_line, escaped_lines, json_escaped};
@@ -63,24 +63,12 @@ pub fn command_line() -> &'static [String] {
     WORDS.get().map_or(&[], Vec::as_slice)
 }
 
-/// Row step of telemetry (`--every`).
-pub fn step(rows: &crate::arguments::Rows) -> Result<usize, Error> {
-    match rows.every {
-        0 => {
-            let problem = "the number of rows must be at least 1";
-            let advice = "give 1 for all, 10 for every tenth";
-            Err(Error::usage("--every", "0", problem, advice))
-        }
-        every => Ok(every),
-    }
-}
-
 /// Options of reading telemetry.
 pub fn reading(rows: &crate::arguments::Rows) -> Result<poinsot_telemetry::ReadOptions, Error> {
     Ok(poinsot_telemetry::ReadOptions {
-        encoding: rows.encoding.into(),
+        encoding: poinsot_telemetry::Encoding::from_name(&rows.encoding).unwrap_or_default(),
         time_s: rows.time_s,
-        every: step(rows)?,
+        every: poinsot::row_step(rows.every)?,
         memory_mib: rows.memory_mib.unwrap_or(poinsot_telemetry::MEMORY_MIB),
         ..Default::default()
     })
@@ -140,22 +128,14 @@ pub fn noted(paths: &[PathBuf], quiet: bool) {
 }
 
 /// Requested figure formats without duplicates.
-pub fn formats(wanted: &[FigureFile]) -> Result<Vec<FigureFormat>, Error> {
-    let mut out = Vec::new();
-    for format in wanted {
-        let format = match format {
-            FigureFile::Svg => FigureFormat::Svg,
-            FigureFile::Png => FigureFormat::Png,
-        };
-        if !format.is_built() {
-            let name = format.extension();
-            return Err(Error::usage("--figures", name, WITHOUT_PNG, ""));
-        }
-        if !out.contains(&format) {
-            out.push(format);
-        }
+pub fn formats(wanted: &[String]) -> Result<Vec<FigureFormat>, Error> {
+    let all = [FigureFormat::Svg, FigureFormat::Png].into_iter();
+    let asked = |f: &FigureFormat| wanted.iter().any(|name| name == f.extension());
+    let out: Vec<FigureFormat> = all.filter(asked).collect();
+    match out.iter().find(|f| !f.is_built()) {
+        Some(f) => Err(Error::usage("--figures", f.extension(), WITHOUT_PNG, "")),
+        None => Ok(out),
     }
-    Ok(out)
 }
 
 /// First error of writing to standard output.

@@ -3,7 +3,7 @@
 use super::{
     Outcome, command_line, formats, note, print, print_document, print_json, shown, written,
 };
-use crate::arguments::{FigureFile, Study};
+use crate::arguments::Study;
 use poinsot::study::{
     files, find, findings_file, printed_findings, run as run_study, studies_file,
 };
@@ -27,7 +27,7 @@ pub fn run(arguments: &Study) -> Outcome {
         );
     }
     let figures = match arguments.figures.as_slice() {
-        [] => formats(&[FigureFile::Svg])?,
+        [] => formats(&["svg".to_owned()])?,
         some => formats(some)?,
     };
     let mut answers = Vec::new();

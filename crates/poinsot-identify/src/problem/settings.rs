@@ -21,11 +21,8 @@ impl Coordinates {
 
     /// By its name.
     pub fn from_name(name: &str) -> Option<Self> {
-        match name {
-            "physical" => Some(Self::Physical),
-            "linear" => Some(Self::Linear),
-            _ => None,
-        }
+        let at = Self::NAMES.iter().position(|own| *own == name)?;
+        [Self::Physical, Self::Linear].get(at).copied()
     }
 }
 
@@ -35,11 +32,8 @@ impl Modes {
 
     /// By its name.
     pub fn from_name(name: &str) -> Option<Self> {
-        match name {
-            "found" => Some(Self::Found),
-            "none" => Some(Self::None),
-            _ => None,
-        }
+        let at = Self::NAMES.iter().position(|own| *own == name)?;
+        [Self::Found, Self::None].get(at).copied()
     }
 }
 
