@@ -7,7 +7,7 @@ use crate::derive::derive;
 use crate::error::{not_strict, number, twice};
 use crate::median::median_step;
 use crate::plan::{Plan, PlannedChannel};
-use crate::{Channel, ChannelName, Overlap, Quantity, Table, quaternion};
+use crate::{Channel, Overlap, Table, quaternion};
 use poinsot_files::{Faults, Place, rounded};
 use std::collections::HashMap;
 use std::path::Path;
@@ -107,14 +107,9 @@ fn tidy_attitudes(
     strict: bool,
     repairs: &mut Vec<String>,
 ) -> Result<(), Faults> {
-    let quaternion = |name: &ChannelName| match name.quantity {
-        Quantity::Attitude(_) => Some("q"),
-        Quantity::RelativeAttitude(_) => Some("relative_q"),
-        _ => None,
-    };
     let mut done: Vec<(&str, &str)> = Vec::new();
     for first in channels {
-        let Some(prefix) = quaternion(&first.name) else {
+        let Some((prefix @ ("q" | "relative_q"), _)) = first.name.vector() else {
             continue;
         };
         let sensor = first.name.sensor.as_str();

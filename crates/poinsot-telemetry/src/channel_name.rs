@@ -1,58 +1,6 @@
 //! Standard column names: quantity, unit and axes.
 
 use crate::Dimension;
-use serde::Serialize;
-
-/// What a standard channel measures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Quantity {
-    /// `time_s`: the time of the row.
-    Time,
-    /// `q_x q_y q_z q_w`: attitude of the base, Hamilton, body to inertial; the index is 0..=3 for x, y, z, w.
-    Attitude(usize),
-    /// `omega_x..`: angular velocity of the base, body axes.
-    AngularVelocity(usize),
-    /// `domega_x..`: angular acceleration of the base, body axes.
-    AngularAcceleration(usize),
-    /// `r_x..`: position, inertial axes.
-    Position(usize),
-    /// `v_x..`: velocity, inertial axes.
-    Velocity(usize),
-    /// `dv_x..`: velocity increment, inertial axes.
-    VelocityIncrement(usize),
-    /// `acc_x..`: specific force, body axes.
-    SpecificForce(usize),
-    /// `direction_x..`: measured direction, body axes.
-    Direction(usize),
-    /// `reference_x..`: the vector whose direction is measured, inertial axes.
-    Reference(usize),
-    /// `relative_q_x relative_q_y relative_q_z relative_q_w`: attitude of a body in the axes of the body from which it is
-    /// seen, Hamilton; the index is 0..=3 for x, y, z, w.
-    RelativeAttitude(usize),
-    /// `relative_r_x..`: position from the origin of the body from which it is seen, in its axes.
-    RelativePosition(usize),
-    /// `relative_v_x..`: rate of change of that position, in the same axes.
-    RelativeVelocity(usize),
-    /// `orbit_x..`: position relative to the attracting body on the reference orbit, inertial axes.
-    OrbitPosition(usize),
-    /// `<name>_rad`: angle of a joint.
-    Angle,
-    /// `<name>_rad_s`: rate of a joint or speed of a wheel.
-    AngleRate,
-    /// `<name>_rad_s2`: second derivative of a joint angle.
-    AngleAcceleration,
-    /// `<name>_Nm`: torque of a joint or a wheel's motor.
-    Torque,
-    /// `<name>_m`: displacement of a prismatic joint.
-    Displacement,
-    /// `<name>_m_s`: rate of a prismatic joint.
-    DisplacementRate,
-    /// `<name>_m_s2`: second derivative of a prismatic joint's displacement.
-    DisplacementAcceleration,
-    /// `<name>_N`: thrust, or force of a prismatic joint.
-    Force,
-}
 
 /// A parsed column name.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -63,8 +11,6 @@ pub struct ChannelName {
     pub sensor: String,
     /// The joint, wheel or thruster of a `<name>_<unit>` column; empty otherwise.
     pub subject: String,
-    /// Measured quantity.
-    pub quantity: Quantity,
     /// Dimension; values are in its SI unit.
     pub dimension: Dimension,
     /// `body`, `inertial`, or empty for a scalar.
@@ -72,6 +18,12 @@ pub struct ChannelName {
 }
 
 impl ChannelName {
+    /// Prefix and axis of a component of a vector or quaternion, such as `omega` and `x`.
+    pub fn vector(&self) -> Option<(&str, &str)> {
+        let parts = self.name.rsplit_once('_');
+        parts.filter(|_| !self.frame.is_empty())
+    }
+
     /// Column header: `<sensor>.<name>` or `<name>`.
     pub fn full(&self) -> String {
         full_name(&self.sensor, &self.name)
@@ -94,31 +46,31 @@ pub fn full_name(sensor: &str, name: &str) -> String {
     }
 }
 
-type Vector = (&'static str, fn(usize) -> Quantity, Dimension, &'static str);
+/// Prefix, dimension and axes of a vector, or of a quaternion.
+type Vector = (&'static str, Dimension, &'static str);
 
-/// Prefix of a three-vector's columns, quantity, dimension, axes.
 const VECTORS: [Vector; 13] = {
     use Dimension as D;
-    use Quantity as Q;
     [
-        ("omega", Q::AngularVelocity, D::AngularVelocity, "body"),
-        (
-            "domega",
-            Q::AngularAcceleration,
-            D::AngularAcceleration,
-            "body",
-        ),
-        ("orbit", Q::OrbitPosition, D::Length, "inertial"),
-        ("r", Q::Position, D::Length, "inertial"),
-        ("v", Q::Velocity, D::Velocity, "inertial"),
-        ("dv", Q::VelocityIncrement, D::Velocity, "inertial"),
-        ("acc", Q::SpecificForce, D::Acceleration, "body"),
-        ("direction", Q::Direction, D::One, "body"),
-        ("reference", Q::Reference, D::One, "inertial"),
-        ("q", Q::Attitude, D::One, "inertial"),
-        ("relative_q", Q::RelativeAttitude, D::One, "body"),
-        ("relative_r", Q::RelativePosition, D::Length, "body"),
-        ("relative_v", Q::RelativeVelocity, D::Velocity, "body"),
+        // Angular velocity and acceleration of the base.
+        ("omega", D::AngularVelocity, "body"),
+        ("domega", D::AngularAcceleration, "body"),
+        // Position relative to the attracting body on the reference orbit.
+        ("orbit", D::Length, "inertial"),
+        ("r", D::Length, "inertial"),
+        ("v", D::Velocity, "inertial"),
+        // Velocity increment, specific force.
+        ("dv", D::Velocity, "inertial"),
+        ("acc", D::Acceleration, "body"),
+        // A measured direction, and the vector whose direction it is.
+        ("direction", D::One, "body"),
+        ("reference", D::One, "inertial"),
+        // Attitude of the base, Hamilton, body to inertial.
+        ("q", D::One, "inertial"),
+        // Attitude, position and velocity of a body in the axes of the body from which it is seen.
+        ("relative_q", D::One, "body"),
+        ("relative_r", D::Length, "body"),
+        ("relative_v", D::Velocity, "body"),
     ]
 };
 
@@ -130,21 +82,17 @@ pub(crate) fn components(prefix: &str) -> &'static [&'static str] {
     }
 }
 
-/// Suffix of a named scalar, longest first, with quantity and dimension.
-const SUFFIXES: [(&str, Quantity, Dimension); 8] = {
-    use Dimension as D;
-    use Quantity as Q;
-    [
-        ("_rad_s2", Q::AngleAcceleration, D::AngularAcceleration),
-        ("_rad_s", Q::AngleRate, D::AngularVelocity),
-        ("_m_s2", Q::DisplacementAcceleration, D::Acceleration),
-        ("_rad", Q::Angle, D::Angle),
-        ("_m_s", Q::DisplacementRate, D::Velocity),
-        ("_Nm", Q::Torque, D::Torque),
-        ("_m", Q::Displacement, D::Length),
-        ("_N", Q::Force, D::Force),
-    ]
-};
+/// Suffix of a named scalar, longest first, and its dimension: an angle, a displacement, a speed of a joint or wheel, a torque or force.
+const SUFFIXES: [(&str, Dimension); 8] = [
+    ("_rad_s2", Dimension::AngularAcceleration),
+    ("_rad_s", Dimension::AngularVelocity),
+    ("_m_s2", Dimension::Acceleration),
+    ("_rad", Dimension::Angle),
+    ("_m_s", Dimension::Velocity),
+    ("_Nm", Dimension::Torque),
+    ("_m", Dimension::Length),
+    ("_N", Dimension::Force),
+];
 
 /// Standard names that belong to no joint, wheel or thruster.
 ///
@@ -164,13 +112,13 @@ pub fn vector_channels() -> Vec<String> {
 /// Parses a column name; `None` if it is not a standard name.
 ///
 /// ```
-/// use poinsot_telemetry::{Quantity, classify};
+/// use poinsot_telemetry::classify;
 ///
 /// let gyro = classify("imu2.omega_x").unwrap();
 /// assert_eq!((gyro.sensor.as_str(), gyro.dimension.si()), ("imu2", "rad/s"));
-/// assert_eq!(gyro.quantity, Quantity::AngularVelocity(0));
+/// assert_eq!(gyro.vector(), Some(("omega", "x")));
 /// let wheel = classify("wheel1_rad_s").unwrap();
-/// assert_eq!((wheel.subject.as_str(), wheel.quantity), ("wheel1", Quantity::AngleRate));
+/// assert_eq!((wheel.subject.as_str(), wheel.dimension.si()), ("wheel1", "rad/s"));
 /// assert!(classify("GYR_X").is_none());
 /// ```
 pub fn classify(column: &str) -> Option<ChannelName> {
@@ -179,29 +127,26 @@ pub fn classify(column: &str) -> Option<ChannelName> {
         Some(_) => return None,
         None => ("", column),
     };
-    let built = |quantity, dimension, frame, subject: &str| ChannelName {
+    let built = |dimension, frame, subject: &str| ChannelName {
         name: name.to_owned(),
         sensor: sensor.to_owned(),
         subject: subject.to_owned(),
-        quantity,
         dimension,
         frame,
     };
     if name == "time_s" {
-        return sensor
-            .is_empty()
-            .then(|| built(Quantity::Time, Dimension::Time, "", ""));
+        return sensor.is_empty().then(|| built(Dimension::Time, "", ""));
     }
     if let Some((prefix, axis)) = name.rsplit_once('_') {
-        let axis = components(prefix).iter().position(|own| *own == axis);
+        let known = components(prefix).contains(&axis);
         let vector = VECTORS.iter().find(|v| v.0 == prefix);
-        if let (Some(axis), Some(&(_, quantity, dimension, frame))) = (axis, vector) {
-            return Some(built(quantity(axis), dimension, frame, ""));
+        if let (true, Some((_, dimension, frame))) = (known, vector) {
+            return Some(built(*dimension, frame, ""));
         }
     }
-    for (suffix, quantity, dimension) in SUFFIXES {
+    for (suffix, dimension) in SUFFIXES {
         if let Some(subject) = name.strip_suffix(suffix).filter(|s| !s.is_empty()) {
-            return Some(built(quantity, dimension, "", subject));
+            return Some(built(dimension, "", subject));
         }
     }
     None
@@ -213,32 +158,20 @@ mod tests {
 
     #[test]
     fn unit_the_longest_suffix_wins() {
-        for (column, subject, quantity, si) in [
-            ("joint1_rad", "joint1", Quantity::Angle, "rad"),
-            ("joint1_rad_s", "joint1", Quantity::AngleRate, "rad/s"),
-            (
-                "joint1_rad_s2",
-                "joint1",
-                Quantity::AngleAcceleration,
-                "rad/s2",
-            ),
-            ("boom_m", "boom", Quantity::Displacement, "m"),
-            ("boom_m_s", "boom", Quantity::DisplacementRate, "m/s"),
-            (
-                "boom_m_s2",
-                "boom",
-                Quantity::DisplacementAcceleration,
-                "m/s2",
-            ),
-            ("wheel2_Nm", "wheel2", Quantity::Torque, "N m"),
-            ("thr12_N", "thr12", Quantity::Force, "N"),
-            ("my_rad_m", "my_rad", Quantity::Displacement, "m"),
+        for (column, subject, si) in [
+            ("joint1_rad", "joint1", "rad"),
+            ("joint1_rad_s", "joint1", "rad/s"),
+            ("joint1_rad_s2", "joint1", "rad/s2"),
+            ("boom_m", "boom", "m"),
+            ("boom_m_s", "boom", "m/s"),
+            ("boom_m_s2", "boom", "m/s2"),
+            ("wheel2_Nm", "wheel2", "N m"),
+            ("thr12_N", "thr12", "N"),
+            ("my_rad_m", "my_rad", "m"),
         ] {
             let name = classify(column).unwrap();
-            assert_eq!(
-                (name.subject.as_str(), name.quantity, name.dimension.si()),
-                (subject, quantity, si)
-            );
+            assert_eq!((name.subject.as_str(), name.dimension.si()), (subject, si));
+            assert_eq!(name.vector(), None);
         }
     }
 
@@ -246,17 +179,14 @@ mod tests {
     fn unit_vectors_carry_their_axes() {
         let name = classify("imu2.omega_z").unwrap();
         assert_eq!((name.sensor.as_str(), name.frame), ("imu2", "body"));
-        assert_eq!(name.quantity, Quantity::AngularVelocity(2));
+        assert_eq!(name.vector(), Some(("omega", "z")));
         assert_eq!(name.full(), "imu2.omega_z");
         assert_eq!(classify("v_y").unwrap().frame, "inertial");
-        assert_eq!(classify("q_w").unwrap().quantity, Quantity::Attitude(3));
+        assert_eq!(classify("q_w").unwrap().vector(), Some(("q", "w")));
         let name = classify("camera.relative_q_w").unwrap();
-        assert_eq!(name.quantity, Quantity::RelativeAttitude(3));
+        assert_eq!(name.vector(), Some(("relative_q", "w")));
         assert_eq!((name.sensor.as_str(), name.frame), ("camera", "body"));
-        assert_eq!(
-            classify("dv_x").unwrap().quantity,
-            Quantity::VelocityIncrement(0)
-        );
+        assert_eq!(classify("dv_x").unwrap().vector(), Some(("dv", "x")));
     }
 
     #[test]

@@ -9,7 +9,7 @@ pub(crate) use change::line;
 pub use change::{Change, Line, Repair};
 
 use crate::median::median_step;
-use crate::{Axes, Channel, Order, Quantity, Sense, Table, classify, full_name};
+use crate::{Axes, Channel, Dimension, Order, Sense, Table, classify, full_name};
 use pairs::Pairs;
 use poinsot_files::{Faults, Place, rounded};
 use reading::{DECLARED, GyroUnit, Hypothesis};
@@ -368,12 +368,13 @@ fn problem(between: &str, of: [&Hypothesis; 2], unit: &str, best: &str) -> Strin
 fn places(table: &Table) -> impl Iterator<Item = (Vec<&Channel>, Vec<&Channel>)> {
     let of = |place| {
         let Channel { name, sensor, .. }: &Channel = place;
-        match classify(name)?.quantity {
-            Quantity::Angle | Quantity::Displacement => {
+        let own = classify(name)?;
+        match (own.vector(), own.dimension) {
+            (None, Dimension::Angle | Dimension::Length) => {
                 let rate = table.sensor_channel(sensor, &format!("{name}_s"))?;
                 Some((vec![place], vec![rate]))
             }
-            Quantity::Position(0) => {
+            (Some(("r", "x")), _) => {
                 let of = |prefix| table.vector(Some(sensor), prefix);
                 Some((of("r")?, of("v")?))
             }

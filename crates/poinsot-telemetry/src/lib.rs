@@ -116,7 +116,7 @@ mod unit;
 mod writer;
 
 pub use channel::{Channel, Source, Table};
-pub use channel_name::{ChannelName, Quantity, classify, full_name, vector_channels};
+pub use channel_name::{ChannelName, classify, full_name, vector_channels};
 pub use conventions::reading::{GyroUnit, Hypothesis};
 pub use conventions::{
     Change, Contradiction, ConventionTest, Line, Repair, Verdict, check_conventions,

@@ -5,8 +5,8 @@ use crate::error::{Refused, map_of, refuse, refuse_as};
 use crate::map::{AttitudeForm, mark};
 use crate::unit::{list, nearest_unit};
 use crate::{
-    AttitudeMap, ChannelName, ColumnMap, Dimension, FileMap, Quantity, TelemetryMap, Unit,
-    classify, parse_unit,
+    AttitudeMap, ChannelName, ColumnMap, Dimension, FileMap, TelemetryMap, Unit, classify,
+    parse_unit,
 };
 use poinsot_files::Faults;
 use std::collections::HashMap;
@@ -188,7 +188,7 @@ pub(crate) fn resolve(
     check_place(map, name.dimension)?;
     let counts = map.counts_per_revolution.is_some();
     let changed = map.is_changed();
-    if name.quantity == Quantity::Time && (changed || counts || map.nominal_N.is_some()) {
+    if name.dimension == Dimension::Time && (changed || counts || map.nominal_N.is_some()) {
         let remedy = "remove the other keys, or write [telemetry] time";
         return refuse("", "a time has a unit alone", remedy);
     }

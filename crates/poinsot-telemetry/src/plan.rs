@@ -7,7 +7,7 @@ use crate::map::{AttitudeForm, fits_path};
 use crate::map_faults::resolve;
 use crate::{
     AttitudeMap, ChannelName, ColumnMap, DecimalSign, Dimension, FileMap, NamedMap, OrbitFrame,
-    Quantity, ReadOptions, Sense, TimeFormat, Unit, classify, map_faults, parse_unit, suggestions,
+    ReadOptions, Sense, TimeFormat, Unit, classify, map_faults, parse_unit, suggestions,
 };
 use poinsot_files::{Faults, Place};
 use std::collections::HashSet;
@@ -193,7 +193,7 @@ impl Planner<'_> {
             })?),
             unit => unit,
         };
-        if let (Quantity::Time, Some(unit)) = (name.quantity, unit) {
+        if let (Dimension::Time, Some(unit)) = (name.dimension, unit) {
             return Ok(Some((index, Clock::own(unit))));
         }
         let transform = Transform::of(map, Conversion::of(map, unit));
@@ -384,7 +384,7 @@ impl Planner<'_> {
                 continue;
             }
             match classify(column) {
-                Some(name) if name.quantity == Quantity::Time => {
+                Some(name) if name.dimension == Dimension::Time => {
                     if time.is_none() {
                         let unit = self.unit(None, index, &name)?;
                         *time = Some((index, Clock::own(unit)));

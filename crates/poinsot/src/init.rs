@@ -9,7 +9,7 @@ use crate::survey::Survey;
 use poinsot_files::{escaped, rounded};
 use poinsot_model::{Joint, JointKind, Model, SensorKind, UrdfOptions, read_robot, write_model};
 use poinsot_telemetry::{
-    ChannelName, ChannelSummary, Kind, Quantity, ReadOptions, classify, recognise,
+    ChannelName, ChannelSummary, Dimension, Kind, ReadOptions, classify, recognise,
 };
 use std::path::{Path, PathBuf};
 
@@ -101,19 +101,22 @@ impl Parts {
         let channels: Vec<ChannelName> = read.chain(flags).filter_map(|c| classify(c)).collect();
         let is_joint = |channel: &ChannelName| {
             let name = &channel.subject;
-            let angle = |c: &ChannelName| c.subject == *name && c.quantity == Quantity::Angle;
+            let angle = |c: &ChannelName| c.subject == *name && c.dimension == Dimension::Angle;
             let found = recognise(std::slice::from_ref(&channel.name), &[]).channels;
             channels.iter().any(angle)
                 || robot.is_some_and(|robot| robot.joints.iter().any(|j| j.name == *name))
                 || found.first().is_some_and(|f| f.kind == Kind::JointRate)
         };
         for channel in &channels {
-            parts.moves |= matches!(channel.quantity, Quantity::Velocity(_));
-            let list = match channel.quantity {
-                Quantity::Angle | Quantity::Displacement => &mut parts.joints,
-                Quantity::AngleRate if is_joint(channel) => &mut parts.joints,
-                Quantity::AngleRate => &mut parts.wheels,
-                Quantity::Force => &mut parts.thrusters,
+            let list = match (channel.vector(), channel.dimension) {
+                (Some((prefix, _)), _) => {
+                    parts.moves |= prefix == "v";
+                    continue;
+                }
+                (_, Dimension::Angle | Dimension::Length) => &mut parts.joints,
+                (_, Dimension::AngularVelocity) if is_joint(channel) => &mut parts.joints,
+                (_, Dimension::AngularVelocity) => &mut parts.wheels,
+                (_, Dimension::Force) => &mut parts.thrusters,
                 _ => continue,
             };
             if !list.contains(&channel.subject) {
