@@ -22,7 +22,7 @@ pub const ERROR: &str = "poinsot.error/1";
 /// Name and version of `check --json`.
 pub const DESCRIPTION: &str = "poinsot.description/1";
 /// Name and version of `inspect --json`.
-pub const INSPECTION: &str = "poinsot.inspection/1";
+pub const INSPECTION: &str = "poinsot.inspection/2";
 
 /// An answer of another floor with the name of its format.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]

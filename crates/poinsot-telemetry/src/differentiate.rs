@@ -1,4 +1,4 @@
-//! The time derivative of a channel from local polynomials.
+//! The time derivative of a channel from local polynomials, and its integral.
 
 use crate::median::median_step;
 use crate::{Channel, Dimension, classify};
@@ -60,6 +60,28 @@ pub fn differentiate(channel: &Channel, half_width: usize, max_gap_s: Option<f64
             time_s.into()
         },
         values,
+    }
+}
+
+/// The time integral of a channel by the trapezoid rule, from its first sample to each.
+///
+/// ```
+#[doc = include_str!("../doc/channel.txt")]
+/// let rate = channel("joint1_rad_s", "rad/s", &[0.0, 1.0, 3.0], &[0.0, 2.0, 4.0]);
+/// assert_eq!(integral(&rate).values, [0.0, 1.0, 7.0]);
+/// ```
+pub fn integral(channel: &Channel) -> Channel {
+    let mut sum = 0.0;
+    let means = channel.values.windows(2).zip(channel.time_s.windows(2));
+    let steps = means.map(|(x, t)| 0.5 * (t[1] - t[0]) * (x[0] + x[1]));
+    let rest = steps.map(|step| {
+        sum += step;
+        sum
+    });
+    let values: Vec<f64> = std::iter::once(0.0).chain(rest).collect();
+    Channel {
+        values,
+        ..channel.clone()
     }
 }
 

@@ -1,9 +1,9 @@
 //! Summary of a table for an engineer who sees it for the first time.
 
-use crate::conventions::{Contradiction, ConventionTest, contradictions, convention_tests};
+use crate::conventions::{ConventionTest, convention_tests};
 use crate::median::median_step;
 use crate::noise::noise_level;
-use crate::{Channel, Source, Suggestion, Table, full_name, suggestions};
+use crate::{Channel, Source, Table, full_name, suggestions};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -16,21 +16,18 @@ pub struct Inspection {
     pub time_s: Option<[f64; 2]>,
     /// One line per channel.
     pub channels: Vec<ChannelSummary>,
-    /// Attitude against gyro.
+    /// What measures one motion, compared: attitude and gyro, direction and gyro, position and rate.
     pub conventions: Vec<ConventionTest>,
     /// Columns that were not taken.
     pub ignored: Vec<String>,
-    /// What some of them may be.
-    pub suggestions: Vec<Suggestion>,
+    /// What some of them may be, as lines of a map.
+    pub suggestions: Vec<String>,
     /// What was repaired while reading.
     pub repairs: Vec<String>,
     /// What looks wrong and cannot be decided here.
     pub notes: Vec<String>,
     /// What the checks found.
     pub findings: Vec<crate::checks::Finding>,
-    /// What contradicts each other.
-    #[serde(skip)]
-    pub contradictions: Vec<Contradiction>,
 }
 
 /// One channel in numbers, SI.
@@ -70,7 +67,7 @@ pub struct ChannelSummary {
     pub noise_is_upper_bound: bool,
 }
 
-/// Summarises every channel and tests attitude against gyro. The table is not changed.
+/// Summarises every channel and compares those that measure one motion. The table is not changed.
 ///
 /// ```
 #[doc = include_str!("../doc/channel.txt")]
@@ -86,9 +83,6 @@ pub fn inspect(table: &Table) -> Inspection {
         let ([a0, a1], [b0, b1]) = (a, b);
         [a0.min(b0), a1.max(b1)]
     });
-    let contradictions = contradictions(table);
-    let of_others = contradictions.iter().filter(|c| !c.is_of_attitude());
-    let of_others = of_others.map(|c| c.problem.clone());
     Inspection {
         sources: table.sources.clone(),
         time_s: span,
@@ -96,9 +90,8 @@ pub fn inspect(table: &Table) -> Inspection {
         ignored: table.ignored.clone(),
         suggestions: suggestions(&table.ignored),
         repairs: table.repairs.clone(),
-        notes: channels.iter().flat_map(notes).chain(of_others).collect(),
+        notes: channels.iter().flat_map(notes).collect(),
         findings: crate::checks::findings(table),
-        contradictions,
         channels,
     }
 }

@@ -171,22 +171,12 @@ fn merge(all: &mut Inspection, part: Inspection) {
         (one, other) => one.or(other),
     };
     for test in part.conventions {
-        let same =
-            |t: &&mut crate::ConventionTest| (&t.attitude, &t.gyro) == (&test.attitude, &test.gyro);
+        let same = |t: &&mut crate::ConventionTest| t.between == test.between;
         match all.conventions.iter_mut().find(same) {
             // The part with the fastest motion distinguishes the conventions best.
-            Some(before) if test.rate_rad_s > before.rate_rad_s => *before = test,
+            Some(before) if test.rate > before.rate => *before = test,
             Some(_) => {}
             None => all.conventions.push(test),
-        }
-    }
-    for found in part.contradictions {
-        if !all
-            .contradictions
-            .iter()
-            .any(|c| c.between == found.between)
-        {
-            all.contradictions.push(found);
         }
     }
     for name in part.ignored {
@@ -240,9 +230,7 @@ fn join(before: &mut ChannelSummary, next: &ChannelSummary) {
 
 /// Completes the summary of the whole file.
 fn finished(mut all: Inspection) -> Inspection {
-    let others = all.contradictions.iter().filter(|c| !c.is_of_attitude());
-    let others = others.map(|c| c.problem.clone());
-    all.notes = all.channels.iter().flat_map(notes).chain(others).collect();
+    all.notes = all.channels.iter().flat_map(notes).collect();
     all.notes.insert(
         0,
         "the files are larger than --memory-mib and were read in parts: noise is the mean over the parts; rate, quantum and the text of a finding are of the first part"

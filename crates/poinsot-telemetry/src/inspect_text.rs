@@ -61,11 +61,10 @@ impl fmt::Display for Inspection {
             .map(|names| names.join(", "))
             .collect();
         section(f, "Unused columns", &ignored)?;
-        let lines: Vec<String> = self.suggestions.iter().map(|s| s.toml.clone()).collect();
         section(
             f,
             "They may be (check, then write into [telemetry.columns])",
-            &lines,
+            &self.suggestions,
         )
     }
 }
@@ -80,31 +79,39 @@ fn section(f: &mut fmt::Formatter<'_>, title: &str, lines: &[String]) -> fmt::Re
 
 impl fmt::Display for ConventionTest {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(
+        let ([kind, other], [one, two]) = (self.kinds, &self.between);
+        let (head, tail) = kind.split_at(1);
+        write!(
             f,
-            "Attitude {} against gyro {}: {} intervals, rate {:.3e} rad/s, scale {:.5}",
-            self.attitude, self.gyro, self.intervals, self.rate_rad_s, self.scale
+            "{}{tail} {one} against {other} {two}: {} intervals, rate {:.3e} {}",
+            head.to_uppercase(),
+            self.intervals,
+            self.rate,
+            self.unit
         )?;
-        let readings = self.attitude_readings.iter();
-        for h in readings.chain(self.gyro_units.iter().filter(|h| !h.is_declared())) {
-            writeln!(f, "  {:.3e} rad/s  {h}", h.residual_rad_s)?;
+        if let Some(scale) = self.scale {
+            write!(f, ", scale {scale:.5}")?;
         }
-        match &self.verdict {
-            Verdict::DeclaredFits => writeln!(f, "  The declared convention fits best.")?,
-            Verdict::DeclaredContradicted => writeln!(
+        writeln!(f)?;
+        for h in &self.readings {
+            let words = self.words(h);
+            writeln!(f, "  {:.3e} {}  {words}", h.residual, self.unit)?;
+        }
+        let (all, best) = self.simplest();
+        match (&self.verdict, self.good.first()) {
+            (Verdict::Undecided { reason }, _) => return writeln!(f, "  Not decided: {reason}."),
+            (Verdict::DeclaredContradicted, Some(h)) => {
+                let least = h.residual;
+                writeln!(f, "  CONTRADICTED. Best: {least:.3e} {}  {best}", self.unit)?;
+            }
+            _ => writeln!(f, "  The declared convention fits best.")?,
+        }
+        match self.good.len() - all {
+            0 => Ok(()),
+            others => writeln!(
                 f,
-                "  CONTRADICTED. Best: {:.3e} rad/s  {}",
-                self.best.residual_rad_s, self.best
-            )?,
-            Verdict::Undecided { reason } => writeln!(f, "  Not decided: {reason}.")?,
+                "  {others} other conventions fit as well; this motion cannot distinguish them."
+            ),
         }
-        if !self.as_good.is_empty() && !matches!(self.verdict, Verdict::Undecided { .. }) {
-            writeln!(
-                f,
-                "  {} other conventions fit as well; this motion cannot distinguish them.",
-                self.as_good.len()
-            )?;
-        }
-        Ok(())
     }
 }

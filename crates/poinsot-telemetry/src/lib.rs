@@ -9,7 +9,7 @@
 //! | files and columns in memory | [`read`], [`read_parts`], [`ReadOptions`], [`Part`], [`write()`] |
 //! | what is read | [`Table`], [`Channel`], [`Source`], [`poinsot_files::Faults`] |
 //! | columns with other names and units | [`TelemetryMap`], [`recognise()`], [`suggestions`], [`parse_unit`], [`units`], [`classify`] |
-//! | checks | [`checks`], [`inspect`], [`contradictions`], [`check_conventions`], [`noise_level`] |
+//! | checks | [`checks`], [`inspect`], [`convention_tests`], [`check_conventions`], [`noise_level`] |
 //! | other times | [`resample`], [`resample_attitude`], [`differentiate`] |
 //! | other axes | [`mount`], [`Mounting`] |
 //!
@@ -117,12 +117,12 @@ mod writer;
 
 pub use channel::{Channel, Source, Table};
 pub use channel_name::{ChannelName, classify, full_name, vector_channels};
-pub use conventions::reading::{GyroUnit, Hypothesis};
+pub use conventions::reading::Hypothesis;
 pub use conventions::{
-    Change, Contradiction, ConventionTest, Line, Repair, Verdict, check_conventions,
-    contradictions, convention_tests, test_sensors,
+    Change, ConventionTest, Line, Repair, UNIT_FACTORS, Verdict, check_conventions,
+    convention_tests, unit_mistake,
 };
-pub use differentiate::differentiate;
+pub use differentiate::{differentiate, integral};
 pub use inspect::{ChannelSummary, Inspection, inspect};
 pub use inspect_parts::inspect_files;
 pub use instant::{Origin, Scale};
@@ -142,6 +142,6 @@ pub use resample::{GAP, resample, resample_attitude, resample_hermite};
 pub use rotation::{Axes, Order, Sense};
 pub use row_columns::{RowCells, RowColumn};
 pub use rows::{ROWS_EXTENSION, write_rows};
-pub use suggest::{Suggestion, suggestions};
+pub use suggest::suggestions;
 pub use unit::{Dimension, STANDARD_GRAVITY, Unit, parse_unit, units};
 pub use writer::{GROUP, RowWriter, write, write_pieces};

@@ -516,13 +516,11 @@ fn check_header(path: &Path, header: &[String]) -> Result<(), Faults> {
 
 fn no_time(path: &Path, header: &[String]) -> Faults {
     let mut proposed = suggestions(header).into_iter();
-    let candidate = proposed.find(|s| s.channel == "time_s");
-    let (problem, advice) = match candidate {
-        Some(s) => (
+    let (problem, advice) = match proposed.find(|line| line.starts_with("time_s = ")) {
+        Some(line) => (
             "no column 'time_s'".to_owned(),
             format!(
-                "map '{}' by [telemetry.columns] {}, or run `poinsot inspect FILE` for a whole map",
-                s.column, s.toml
+                "map one by [telemetry.columns] {line}, or run `poinsot inspect FILE` for a whole map"
             ),
         ),
         None => {

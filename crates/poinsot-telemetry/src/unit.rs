@@ -86,7 +86,23 @@ impl Unit {
     pub fn to_si(&self, value: f64) -> f64 {
         value * self.factor / self.divisor
     }
+
+    /// The unit that is so many times this one.
+    ///
+    /// ```
+    /// let rate = poinsot_telemetry::parse_unit("rad/s")?;
+    /// assert_eq!(rate.times(std::f64::consts::PI / 30.0).unwrap().symbol, "rpm");
+    /// # Ok::<(), poinsot_files::Faults>(())
+    /// ```
+    pub fn times(&self, factor: f64) -> Option<Self> {
+        let wanted = factor * self.to_si(1.0);
+        let mut alike = units().filter(|other| other.dimension == self.dimension);
+        alike.find(|other| (other.to_si(1.0) / wanted - 1.0).abs() < SAME)
+    }
 }
+
+/// Relative difference of two factors that are one unit.
+const SAME: f64 = 1.0e-9;
 
 const DEG: f64 = PI / 180.0;
 /// Standard gravity, m/s2 (CGPM 1901).

@@ -125,15 +125,7 @@ fn bare(cell: &str) -> &str {
     cell.trim().trim_matches(['[', ']', '(', ')']).trim()
 }
 
-/// A text as TOML writes it, on one line.
+/// A text as TOML writes it; that of a header or an answer is on one line.
 pub(crate) fn quoted(text: &str) -> String {
-    let mut out = String::from("\"");
-    for c in text.chars() {
-        let _ = match c {
-            '"' | '\\' => write!(out, "\\{c}"),
-            c if c.is_control() => write!(out, "\\u{:04X}", u32::from(c)),
-            c => write!(out, "{c}"),
-        };
-    }
-    out + "\""
+    toml::Value::from(text).to_string()
 }

@@ -18,7 +18,8 @@ use poinsot_model::{Model, TelemetryMap, read_model, read_model_text, read_telem
 use poinsot_papers::{Settings as MethodSettings, answered, identify_by, method};
 use poinsot_telemetry::checks::{self, Check, Finding, Policies, Policy};
 use poinsot_telemetry::{
-    Encoding, Origin, Part, ReadOptions, Source, Table, contradictions, read_parts,
+    ConventionTest, Encoding, Origin, Part, ReadOptions, Source, Table, convention_tests,
+    read_parts,
 };
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
@@ -303,7 +304,8 @@ fn read_records(
     for (done, parts) in records.iter().enumerate() {
         step("reading segments", done, records.len());
         let table = read_parts(parts, &options)?;
-        if let Some(found) = contradictions(&table).first() {
+        let mut tests = convention_tests(&table).into_iter();
+        if let Some(found) = tests.find(ConventionTest::is_contradicted) {
             return Err(found.into());
         }
         // All segments use the origin of the first.
@@ -438,7 +440,8 @@ fn gate(model: &Model, tables: &mut [Table], question: &Question) -> Result<Vec<
     for table in &mut *tables {
         let label = file_label(table);
         let found = checks::apply(table, &label, &policies);
-        findings.extend(found.map_err(|error| refused_by_checks(error, &label, table))?);
+        Refusal::of_findings(&label, &found)?;
+        findings.extend(found);
     }
     if is_own(&question.method)
         && let Some(finding) = mixups::of_fast_record(model, tables)
@@ -446,13 +449,6 @@ fn gate(model: &Model, tables: &mut [Table], question: &Question) -> Result<Vec<
         findings.push(unless_refused(finding, &policies, &labels(tables))?);
     }
     Ok(findings)
-}
-
-/// What the check that refused a table has against it.
-fn refused_by_checks(error: Error, label: &str, table: &Table) -> Refusal {
-    let all = checks::findings(table);
-    let refused = all.iter().find(|f| checks::refused(label, f) == error);
-    refused.map_or_else(|| error.into(), |f| Refusal::of_finding(label, f, &all))
 }
 
 fn policies(question: &Question) -> Result<Policies, Error> {
@@ -525,13 +521,8 @@ fn unless_refused(
     label: &str,
 ) -> Result<Finding, Refusal> {
     finding.policy = policies.of(finding.check);
-    match finding.policy {
-        Policy::Refuse => {
-            let own = std::slice::from_ref(&finding);
-            Err(Refusal::of_finding(label, &finding, own))
-        }
-        _ => Ok(finding),
-    }
+    Refusal::of_findings(label, std::slice::from_ref(&finding))?;
+    Ok(finding)
 }
 
 /// Checks of the telemetry that need the result.

@@ -297,8 +297,9 @@ fn write_map(survey: &Survey, out: &mut String) {
         out.push_str(&block("rest", &[("list", &escaped(&rest.join(", ")))]));
     }
     let tests = survey.inspection.conventions.iter();
-    for faults in tests.filter_map(|test| test.check().err()) {
-        out.push_str(&block("contradiction", &[("problem", &faults.to_string())]));
+    for test in tests.filter(|test| test.is_contradicted()) {
+        let problem = test.fault().to_string();
+        out.push_str(&block("contradiction", &[("problem", &problem)]));
     }
 }
 

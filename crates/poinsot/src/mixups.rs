@@ -6,30 +6,17 @@ use crate::channel_names::XYZ;
 use poinsot_identify::{
     BodyEstimate, Estimate, Problem, Settings, Status, maximum_likelihood_with,
 };
-use poinsot_model::Model;
+use poinsot_model::{Model, SensorKind};
 use poinsot_telemetry::checks::{Check, Finding};
-use poinsot_telemetry::{Change, Channel, Repair, Table, median_step};
-use std::f64::consts::PI;
+use poinsot_telemetry::{
+    Change, Channel, Repair, Table, UNIT_FACTORS, median_step, parse_unit, unit_mistake,
+};
 
-/// Ratios of estimated to nominal inertia caused by unit errors.
-const FACTORS: [(f64, &str); 10] = [
-    (30.0 / PI, "wheel speeds in rpm used as rad/s"),
-    (PI / 30.0, "wheel speeds in rad/s mapped as rpm"),
-    (
-        180.0 / PI,
-        "wheel speeds in deg/s used as rad/s, or body rates in rad/s mapped as deg/s",
-    ),
-    (PI / 180.0, "body rates in deg/s used as rad/s"),
-    (2.0 * PI, "wheel speeds in rad/s mapped as turns per second"),
-    (0.5 / PI, "wheel speeds in turns per second used as rad/s"),
-    (
-        1.0e3,
-        "a factor of a thousand (g for kg, mN for N) in the model or the telemetry",
-    ),
-    (
-        1.0e-3,
-        "a factor of a thousand (kg for g, N for mN) in the model or the telemetry",
-    ),
+/// Ratios of estimated to nominal inertia caused by units of mass and length.
+#[rustfmt::skip]
+const FACTORS: [(f64, &str); 4] = [
+    (1.0e3, "a factor of a thousand (g for kg, mN for N) in the model or the telemetry"),
+    (1.0e-3, "a factor of a thousand (kg for g, N for mN) in the model or the telemetry"),
     (1.0e4, "kg cm2 for kg m2 in the model"),
     (1.0e-4, "kg m2 for kg cm2 in the model"),
 ];
@@ -56,23 +43,46 @@ pub(crate) fn units(model: &Model, estimate: &Estimate) -> Vec<Finding> {
         };
         let mean = (x + y + z) / 3.0;
         let even = [x, y, z].iter().all(|l| (l - mean).abs() < SPREAD);
-        let known = FACTORS.iter().find(|(f, _)| (mean - f.ln()).abs() < MEAN);
-        if let (true, Some((x, words))) = (even, known) {
-            let text = format!(
-                "the data fit {:.3} times the nominal inertia about every axis; possible cause: {words}",
-                mean.exp()
-            );
-            let mut found = Finding::new(Check::Units, &body.name, 0, Vec::new(), text);
-            // Wheels would tell the unit of forces.
-            let forces = [1.0e3, 1.0e-3].contains(x) && model.wheels.is_empty();
-            let thrusters = model.thrusters.iter().filter(|_| forces);
-            let channels: Vec<String> = thrusters.map(|t| format!("{}_N", t.name)).collect();
-            let change = Change::Factor(1.0 / x);
-            found.repair = (!channels.is_empty()).then_some(Repair { channels, change });
-            all.push(found);
-        }
+        let mut known =
+            of_rates(model, estimate).chain(FACTORS.map(|(x, words)| (x, words.to_owned())));
+        let near = known.find(|(f, _)| (mean - f.ln()).abs() < MEAN);
+        let Some((x, words)) = near.filter(|_| even) else {
+            continue;
+        };
+        let text = format!(
+            "the data fit {:.3} times the nominal inertia about every axis; possible cause: {words}",
+            mean.exp()
+        );
+        let mut found = Finding::new(Check::Units, &body.name, 0, Vec::new(), text);
+        // Wheels would tell the unit of forces.
+        let forces = [1.0e3, 1.0e-3].contains(&x) && model.wheels.is_empty();
+        let thrusters = model.thrusters.iter().filter(|_| forces);
+        let channels: Vec<String> = thrusters.map(|t| format!("{}_N", t.name)).collect();
+        let change = Change::Factor(1.0 / x);
+        found.repair = (!channels.is_empty()).then_some(Repair { channels, change });
+        all.push(found);
     }
     all
+}
+
+/// Ratios of estimated to nominal inertia caused by the unit of the wheels, or of body rates that no attitude tells.
+fn of_rates(model: &Model, estimate: &Estimate) -> impl Iterator<Item = (f64, String)> {
+    let wheels = !model.wheels.is_empty();
+    let mut read = estimate.fit.iter().flat_map(|f| &f.channels);
+    let rates = !read.any(|c| c.name.starts_with(SensorKind::Attitude.word()));
+    let factors = UNIT_FACTORS[..3].iter().flat_map(|x| [*x, 1.0 / x]);
+    factors.filter_map(move |x| {
+        let of = |is: bool, what: &str, factor: f64| {
+            let mistake = unit_mistake("rad/s", factor).filter(|_| is);
+            mistake.map(|words| format!("{what} in {words}"))
+        };
+        let causes = [
+            of(wheels, "wheel speeds", 1.0 / x),
+            of(rates, "body rates", x),
+        ];
+        let causes: Vec<String> = causes.into_iter().flatten().collect();
+        (!causes.is_empty()).then(|| (x, causes.join(", or ")))
+    })
 }
 
 /// Logarithm of an estimated moment of inertia over the nominal one.
@@ -82,23 +92,11 @@ fn factor(body: &BodyEstimate, k: usize) -> Option<f64> {
     (ratio > 0.0 && ratio.is_finite()).then(|| ratio.ln())
 }
 
-/// What makes a record turn far between samples: what puts it right, the channels, and the mistake.
-const FAST: [(Change, &str, &str); 3] = [
-    (
-        Change::Clock(1.0e-3),
-        "time_s",
-        "the times are probably in ms, not s",
-    ),
-    (
-        Change::Factor(PI / 180.0),
-        "omega",
-        "the body rates are probably in deg/s, not rad/s",
-    ),
-    (
-        Change::Factor(PI / 30.0),
-        "omega",
-        "the body rates are probably in rpm, not rad/s",
-    ),
+/// What makes a record turn far between samples.
+const FAST: [Change; 3] = [
+    Change::Clock(1.0e-3),
+    Change::Factor(UNIT_FACTORS[0]),
+    Change::Factor(UNIT_FACTORS[1]),
 ];
 
 /// Detects units of a record without attitude that turns far between samples, and fits in another unit. Tested before the fit,
@@ -124,17 +122,24 @@ pub(crate) fn of_fast_record(model: &Model, tables: &[Table]) -> Option<Finding>
         }
         all
     };
-    let off = |row: &'static (Change, &str, &str)| {
-        let off = distance(model, &put_right(row.0))?;
-        let nearest = !matches!(row.0, Change::Factor(x) if off > 0.5 * x.ln().abs());
-        nearest.then_some((off, row))
+    let off = |change: Change| {
+        let off = distance(model, &put_right(change))?;
+        let nearest = !matches!(change, Change::Factor(x) if off > 0.5 * x.ln().abs());
+        nearest.then_some((off, change))
     };
-    let fits = FAST.iter().filter_map(off);
-    let (_, (change, channel, words)) = fits.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let text = format!("the vehicle turns by {turn:.1} rad between samples; {words}");
+    let fits = FAST.into_iter().filter_map(off);
+    let (_, change) = fits.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let (channel, what, si, x) = match change {
+        Change::Clock(x) => ("time_s", "times", "s", x),
+        Change::Factor(x) => ("omega", "body rates", "rad/s", x),
+        _ => return None,
+    };
+    let unit = parse_unit(si).ok()?.times(x)?.symbol;
+    let text = format!(
+        "the vehicle turns by {turn:.1} rad between samples; the {what} are probably in {unit}, not {si}"
+    );
+    let mut found = Finding::new(Check::Units, channel, 0, Vec::new(), text);
     let channels = XYZ.map(|k| format!("omega_{k}")).to_vec();
-    let mut found = Finding::new(Check::Units, *channel, 0, Vec::new(), text);
-    let change = *change;
     found.repair = Some(Repair { channels, change });
     Some(found)
 }

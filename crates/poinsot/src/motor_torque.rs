@@ -8,7 +8,7 @@ use poinsot_identify::{Samples, Segment};
 use poinsot_model::{Model, Wheel};
 use poinsot_spatial::Vector3;
 use poinsot_telemetry::checks::{Check, Finding};
-use poinsot_telemetry::{Channel, Table, resample};
+use poinsot_telemetry::{Channel, Table, integral, resample};
 
 /// Sigma of the scale of an uncalibrated torque (current times nominal constant).
 const SCALE: f64 = 0.05;
@@ -119,22 +119,6 @@ fn windows(speed: &Channel, torque: &Channel, host: &[Option<f64>]) -> Vec<Chang
         })
     };
     pairs.filter_map(one).collect()
-}
-
-/// Time integral of a channel by the trapezoid rule, from its first sample.
-fn integral(channel: &Channel) -> Channel {
-    let mut sum = 0.0;
-    let mut values = vec![0.0];
-    for k in 1..channel.values.len() {
-        let step = channel.time_s[k] - channel.time_s[k - 1];
-        sum += 0.5 * step * (channel.values[k] + channel.values[k - 1]);
-        values.push(sum);
-    }
-    values.truncate(channel.values.len());
-    Channel {
-        values,
-        ..channel.clone()
-    }
 }
 
 /// Scale between speed change and torque, and its sigma from the scatter; `None` if the torque does not determine it.

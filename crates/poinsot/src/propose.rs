@@ -3,7 +3,7 @@
 use crate::bind::mountings;
 use crate::channel_names;
 use crate::error::Error;
-use crate::identify::repair::Declared;
+use crate::identify::repair::Refusal;
 use crate::propose_sensors::proposed_sensors;
 use crate::survey::Survey;
 use poinsot_formats::{INSPECTION, StatedFile};
@@ -78,28 +78,24 @@ pub fn inspect(
 
 /// The lines of a map that put right what contradicts each other, read with them.
 fn contradicted(files: &[PathBuf], options: &ReadOptions, inspection: &Inspection) -> String {
-    let declared = inspection.contradictions.first().and_then(|found| {
-        Declared::passing(&options.map, &found.ways, |declared| {
-            let options = ReadOptions {
-                map: declared.map.clone(),
-                ..options.clone()
-            };
-            let read = inspect_files(files, &options);
-            let still =
-                |i: &Inspection| i.contradictions.iter().any(|c| c.between == found.between);
-            read.is_ok_and(|read| !still(&read))
-        })
-        .next()
-    });
+    let refusal = |i: &Inspection| {
+        let mut tests = i.conventions.iter();
+        Some(Refusal::from(tests.find(|t| t.is_contradicted())?.clone()))
+    };
+    let gate = |map: &TelemetryMap| {
+        let map = map.clone();
+        let options = ReadOptions {
+            map,
+            ..options.clone()
+        };
+        refusal(&inspect_files(files, &options)?).map_or(Ok(()), Err)
+    };
+    let declared = refusal(inspection).and_then(|found| found.passing(&options.map, gate).next());
     let Some(declared) = declared else {
         return String::new();
     };
-    let lines: Vec<&str> = declared
-        .lines
-        .iter()
-        .map(|line| line.text.as_str())
-        .collect();
-    let lines = lines.join("\n");
+    let lines = declared.lines.iter().map(|line| line.text.as_str());
+    let lines = lines.collect::<Vec<_>>().join("\n");
     format!("With these lines in the map nothing contradicts:\n{lines}")
 }
 

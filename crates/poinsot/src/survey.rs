@@ -1,11 +1,11 @@
 //! Reads files with the map that their names propose, and settles by the tests of conventions what the names leave open.
 
 use crate::error::Error;
-use crate::proposal::{Line, Proposal};
+use crate::proposal::{Choice, Line, Proposal};
 use poinsot_model::parse_telemetry_map;
 use poinsot_telemetry::{
-    ConventionTest, GyroUnit, Hypothesis, Inspection, Kind, Order, ReadOptions, Sense, Verdict,
-    inspect_files,
+    Change, ConventionTest, Inspection, Kind, Order, ReadOptions, Repair, Sense, Verdict,
+    inspect_files, parse_unit,
 };
 use std::path::PathBuf;
 
@@ -36,15 +36,13 @@ impl Survey {
     ) -> Result<Self, Error> {
         let mut inspection = match read(files, options, &proposals) {
             Ok(inspection) => inspection,
-            Err(error) if proposals.iter().all(Proposal::is_plain) => return Err(error),
-            Err(guessed) => match inspect_files(files, options) {
-                Ok(inspection) => {
-                    proposals.clear();
-                    inspection
-                }
-                Err(error) if error.code() == NO_TIME => return Err(guessed),
-                Err(error) => return Err(error),
-            },
+            Err(guessed) => {
+                proposals.clear();
+                inspect_files(files, options).map_err(|plain| match plain.code() {
+                    NO_TIME => guessed,
+                    _ => plain,
+                })?
+            }
         };
         for _ in 0..CHANGES {
             let mut changed = false;
@@ -99,71 +97,53 @@ fn read(
 
 impl Proposal {
     /// The lines of the attitude, the gyro and the times of a test.
-    fn tested(&mut self, test: &ConventionTest) -> impl Iterator<Item = &mut Line> {
-        let attitude = test
-            .attitude
-            .strip_suffix(".q_x..q_w")
-            .map(|sensor| format!("sensor = \"{sensor}\","));
-        let gyro = test
-            .gyro
-            .strip_suffix("x..z")
-            .unwrap_or_default()
-            .to_owned();
-        self.lines
-            .iter_mut()
-            .filter(move |line| match line.key.as_str() {
-                "time" => true,
-                "attitude" => line.is_of(attitude.as_deref()),
-                channel => line.kind == Kind::Rate && channel.starts_with(&gyro),
-            })
+    fn tested(&mut self, [attitude, gyro]: &[String; 2]) -> impl Iterator<Item = &mut Line> {
+        let sensor = attitude.strip_suffix(".q_x..q_w");
+        let sensor = sensor.map(|sensor| format!("sensor = \"{sensor}\","));
+        let gyro = gyro.strip_suffix("x..z").unwrap_or_default().to_owned();
+        let own = move |line: &&mut Line| match line.key.as_str() {
+            "time" => true,
+            "attitude" => line.is_of(sensor.as_deref()),
+            channel => line.kind == Kind::Rate && channel.starts_with(&gyro),
+        };
+        self.lines.iter_mut().filter(own)
     }
 }
 
 /// Takes what a test of an attitude against a gyro says about what is unsure; returns whether the map changed.
 fn settle(proposals: &mut [Proposal], test: &ConventionTest) -> bool {
     // A gyro of another body or in other axes settles nothing.
-    let along = |h: &&Hypothesis| h.gyro_axes.axis == [0, 1, 2] && h.gyro_axes.sign == [1; 3];
-    let good = std::iter::once(&test.best)
-        .chain(&test.twin)
-        .chain(&test.as_good);
-    let good: Vec<&Hypothesis> = good.filter(along).collect();
-    let [only] = good[..] else {
+    let mut good = test.good.iter().filter(|h| h.is_along());
+    let (Some(only), None, "attitude") = (good.next(), good.next(), test.kinds[0]) else {
         return false;
     };
-    let lines = proposals.iter_mut().flat_map(|p| p.tested(test));
-    let unsure = lines.flat_map(|line| {
+    let repairs = only.repairs().unwrap_or_default();
+    let fits = test.verdict == Verdict::DeclaredFits && only.is_declared();
+    let mut changed = false;
+    for line in proposals.iter_mut().flat_map(|p| p.tested(&test.between)) {
         let kind = line.kind;
-        let unsure = line.choices.iter_mut().filter(|choice| !choice.sure);
-        unsure.map(move |choice| (kind, choice))
-    });
-    match test.verdict {
-        Verdict::DeclaredFits if only.is_declared() => {
-            unsure.for_each(|(kind, choice)| {
-                choice.sure = true;
-                choice.shown = kind != Kind::Time;
-            });
-            false
-        }
-        Verdict::DeclaredContradicted => unsure.fold(false, |any, (kind, choice)| {
-            let word = word_of(only, kind, choice.key).filter(|word| choice.word != *word);
-            if let Some(word) = word {
+        for choice in line.choices.iter_mut().filter(|choice| !choice.sure) {
+            choice.sure = fits;
+            choice.shown |= fits && kind != Kind::Time;
+            let word = |repair: &Repair| word_of(repair.change, kind, choice);
+            let word = repairs.iter().find_map(word);
+            if let Some(word) = word.filter(|_| test.is_contradicted()) {
+                changed |= choice.word != word;
                 word.clone_into(&mut choice.word);
             }
-            any || word.is_some()
-        }),
-        _ => false,
+        }
     }
+    changed
 }
 
-/// What a hypothesis says of a key where it departs from the declared one.
-fn word_of(only: &Hypothesis, kind: Kind, key: &str) -> Option<&'static str> {
-    match (key, kind, only.gyro_unit) {
-        ("order", ..) if only.order == Order::Wxyz => Some("wxyz"),
-        ("sense", ..) if only.sense == Sense::InertialToBody => Some("inertial_to_body"),
-        ("unit", Kind::Rate, GyroUnit::DegPerS) => Some("deg/s"),
-        ("unit", Kind::Rate, GyroUnit::Rpm) => Some("rpm"),
-        ("unit", Kind::Time, GyroUnit::TimeInMilliseconds) => Some("ms"),
-        ("unit", Kind::Time, GyroUnit::TimeInMinutes) => Some("min"),
+/// What a change makes of a key.
+fn word_of(change: Change, kind: Kind, choice: &Choice) -> Option<&'static str> {
+    match (choice.key, kind, change) {
+        ("order", _, Change::Attitude(Order::Wxyz, _)) => Some("wxyz"),
+        ("sense", _, Change::Attitude(_, Sense::InertialToBody)) => Some("inertial_to_body"),
+        ("unit", Kind::Rate, Change::Factor(x)) | ("unit", Kind::Time, Change::Clock(x)) => {
+            Some(parse_unit(&choice.word).ok()?.times(x)?.symbol)
+        }
         _ => None,
     }
 }

@@ -19,7 +19,7 @@ use poinsot_solve::LeastSquares;
 use poinsot_telemetry::Change;
 use table::{Convention, Place};
 
-pub(super) use table::UNITS;
+pub(super) use table::mistake;
 
 /// Shares of the record that are tried as its beginning: each twice the one before, so that all fits together take no longer
 /// than one of the whole record.
@@ -215,13 +215,9 @@ fn fitting(experiment: &Experiment, from: Iterate, iterations: usize) -> Option<
 fn named(convention: &Convention, decrease: f64, excess: f64) -> Suspect {
     let values = convention.values();
     let values = values.map(|(name, value, unit)| SuspectValue::other(name, value, unit));
+    let (fault, words) = convention.named();
     Suspect {
         explains: (decrease / excess).clamp(0.0, 1.0),
-        ..Suspect::new(
-            convention.words(),
-            convention.fault(),
-            decrease,
-            values.into_iter().collect(),
-        )
+        ..Suspect::new(words, fault, decrease, values.into_iter().collect())
     }
 }

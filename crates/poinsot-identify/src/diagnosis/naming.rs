@@ -1,9 +1,10 @@
 //! Meaning of a suspect's values, if clear: a wrong sign, a wrong unit.
 
-use super::conventions::UNITS;
+use super::conventions::mistake;
 use super::types::{FaultKind, Suspect};
 use crate::fit::experiment::Experiment;
 use crate::problem::parameters::UnknownKind;
+use poinsot_telemetry::UNIT_FACTORS;
 
 pub(super) fn near(value: f64, wanted: f64) -> bool {
     (value / wanted - 1.0).abs() < 0.2
@@ -21,12 +22,9 @@ pub(super) fn name(experiment: &Experiment, suspect: &mut Suspect) {
                 return;
             };
             let ratio = value / wheel.spin_inertia;
-            if near(ratio, -1.0) {
-                suspect.fault = FaultKind::WheelSign;
-                suspect.name = format!("a wrong sign of {}", wheel.name);
-            } else if let Some((_, what)) = UNITS.iter().find(|(f, _)| near(ratio, *f)) {
-                suspect.fault = FaultKind::Units;
-                suspect.name = format!("a wrong unit of {} ({what})", wheel.name);
+            let mut known = std::iter::once(-1.0).chain(UNIT_FACTORS);
+            if let Some(x) = known.find(|x| near(ratio, *x)) {
+                (suspect.fault, suspect.name) = mistake(&wheel.name, "rad/s", x);
             }
         }
         UnknownKind::Firing {
@@ -46,13 +44,10 @@ pub(super) fn name(experiment: &Experiment, suspect: &mut Suspect) {
             "delayed thrust samples".clone_into(&mut suspect.name);
         }
         UnknownKind::Sensor { .. } if suspect.fault == FaultKind::GyroScale => {
-            for (factor, what) in UNITS {
-                // The gyro reads (1 + scale) w: the reading is 1/factor of what it should be.
-                let mut scales = suspect.values.iter().map(|v| 1.0 + v.value);
-                if scales.all(|scale| near(scale, 1.0 / factor)) {
-                    suspect.fault = FaultKind::Units;
-                    suspect.name = format!("a wrong unit of the gyro ({what})");
-                }
+            // The gyro reads (1 + scale) w: the reading is 1/factor of what it should be.
+            let all = |x: &f64| suspect.values.iter().all(|v| near(1.0 + v.value, 1.0 / x));
+            if let Some(x) = UNIT_FACTORS.into_iter().find(all) {
+                (suspect.fault, suspect.name) = mistake("the gyro", "rad/s", x);
             }
         }
         _ => {}

@@ -68,17 +68,14 @@ impl Policy {
 }
 
 /// Every check in order of execution, its name, and its valid policies, default first.
+#[rustfmt::skip]
 const CHECKS: [(Check, &str, &[Policy]); 10] = {
     use Policy::{Exclude, Refuse, Report};
     const LEFT_OUT: &[Policy] = &[Exclude, Report, Refuse];
     const LISTED: &[Policy] = &[Report, Refuse];
     [
         (Check::Gap, "gap", LISTED),
-        (
-            Check::Placeholder,
-            "placeholder",
-            &[Report, Exclude, Refuse],
-        ),
+        (Check::Placeholder, "placeholder", &[Report, Exclude, Refuse]),
         (Check::Wrap, "wrap", &[Refuse, Report]),
         (Check::Held, "held", LEFT_OUT),
         (Check::Saturation, "saturation", LEFT_OUT),
@@ -226,10 +223,8 @@ impl Finding {
     }
 }
 
-/// Checks a table, applies the policies and returns the findings; `label` names the table in errors.
-///
-/// # Errors
-/// E0220 for the first finding whose policy is [`Policy::Refuse`].
+/// Checks a table, applies the policies and returns the findings, those too whose policy is [`Policy::Refuse`]; `label` names the table in
+/// its repairs.
 ///
 /// ```
 #[doc = include_str!("../../doc/channel.txt")]
@@ -240,19 +235,15 @@ impl Finding {
 /// let values: Vec<f64> = time_s.iter().map(|t| t.sin()).collect();
 /// let angle = channel("joint1_rad", "rad", &time_s, &values);
 /// let mut table = Table { channels: vec![angle], ..Table::default() };
-/// let found = apply(&mut table, "arm.csv", &Policies::default())?;
+/// let found = apply(&mut table, "arm.csv", &Policies::default());
 /// assert_eq!((found.len(), found[0].check), (1, Check::Gap));
 /// assert_eq!(table.channels[0].values.len(), 20);
-/// # Ok::<(), poinsot_files::Faults>(())
 /// ```
-pub fn apply(table: &mut Table, label: &str, policies: &Policies) -> Result<Vec<Finding>, Faults> {
+pub fn apply(table: &mut Table, label: &str, policies: &Policies) -> Vec<Finding> {
     let mut all = Vec::new();
     for check in Check::all() {
         let policy = policies.of(check);
         for mut found in look(table, check) {
-            if policy == Policy::Refuse {
-                return Err(refused(label, &found));
-            }
             found.policy = policy;
             if policy == Policy::Exclude {
                 exclude(table, &found);
@@ -268,7 +259,7 @@ pub fn apply(table: &mut Table, label: &str, policies: &Policies) -> Result<Vec<
             all.push(found);
         }
     }
-    Ok(all)
+    all
 }
 
 /// The error for a finding whose policy is to refuse.

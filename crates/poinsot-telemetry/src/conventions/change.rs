@@ -2,14 +2,14 @@
 
 use crate::{
     AttitudeColumn, AttitudeMap, Axes, ColumnMap, FileMap, OrbitalMap, Order, Sense, TelemetryMap,
-    TimeFormat, TimeMap, Unit, classify, parse_unit, units,
+    TimeFormat, TimeMap, classify, parse_unit,
 };
 use poinsot_files::to_digits;
 use serde::Serialize;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
-/// Relative difference of two factors that are one unit.
-const SAME: f64 = 1.0e-9;
+/// Factors that put an angle or its rate right that is read in another unit: degrees, rpm, revolutions, radians mapped as degrees.
+pub const UNIT_FACTORS: [f64; 4] = [PI / 180.0, PI / 30.0, TAU, 180.0 / PI];
 /// Significant digits of a number that is written into a map.
 const DIGITS: usize = 9;
 
@@ -203,6 +203,28 @@ impl Repair {
     }
 }
 
+/// The mistake of a unit that a factor puts right; `None` where the factor is none of units.
+///
+/// ```
+/// use poinsot_telemetry::{UNIT_FACTORS, unit_mistake};
+///
+/// assert_eq!(unit_mistake("rad/s", UNIT_FACTORS[1]).unwrap(), "rpm used as rad/s");
+/// assert_eq!(unit_mistake("rad", UNIT_FACTORS[3]).unwrap(), "rad mapped as deg");
+/// ```
+pub fn unit_mistake(si: &str, factor: f64) -> Option<String> {
+    let read = parse_unit(si).ok()?;
+    let used = read
+        .times(factor)
+        .map(|own| format!("{} used as {si}", own.symbol));
+    let mapped = || {
+        Some(format!(
+            "{si} mapped as {}",
+            read.times(1.0 / factor)?.symbol
+        ))
+    };
+    used.or_else(mapped)
+}
+
 /// The map of all files, and those of some.
 fn maps(map: &mut TelemetryMap) -> impl Iterator<Item = &mut FileMap> {
     let files = map.files.iter_mut().map(|file| &mut file.map);
@@ -226,7 +248,7 @@ fn changed(own: &ColumnMap, change: Change) -> Option<ColumnMap> {
     let one = || of_count.or_else(|| Some(unit?.to_si(1.0)));
     let read = |x: f64| Some(to_digits(x / (one()? * own.scale.unwrap_or(1.0)), DIGITS));
     match change {
-        Change::Factor(x) => match unit.and_then(|unit| times(&unit, x)) {
+        Change::Factor(x) => match unit.and_then(|unit| unit.times(x)) {
             Some(other) => new.unit = Some(other.symbol.to_owned()),
             None => {
                 let factor = to_digits(x.abs(), DIGITS);
@@ -270,18 +292,12 @@ fn declare_clock(map: &mut TelemetryMap, factor: f64) -> Option<Vec<Line>> {
     for time in maps(map).filter_map(|m| m.time.as_mut()) {
         let before = time.clone();
         let unit = parse_unit(time.unit.as_deref().unwrap_or("s")).ok()?;
-        let other = times(&unit, factor).filter(|_| time.format == TimeFormat::Number)?;
+        let other = unit.times(factor);
+        let other = other.filter(|_| time.format == TimeFormat::Number)?;
         time.unit = Some(other.symbol.to_owned());
         lines.push(Line::of("time", &before, time));
     }
     Some(lines)
-}
-
-/// The unit that is so many times another one.
-fn times(unit: &Unit, factor: f64) -> Option<Unit> {
-    let wanted = factor * unit.to_si(1.0);
-    let mut alike = units().filter(|other| other.dimension == unit.dimension);
-    alike.find(|other| (other.to_si(1.0) / wanted - 1.0).abs() < SAME)
 }
 
 /// A line of a map: a key and a table.

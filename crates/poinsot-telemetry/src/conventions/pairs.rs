@@ -1,8 +1,7 @@
 //! Two measurements of one motion over the same intervals: how far it goes by one, and its mean rate by the other.
 
 use crate::median::{median, median_step};
-use crate::resample::resample;
-use crate::{Axes, Channel, Order, Sense, rotation};
+use crate::{Axes, Channel, GAP, Order, Sense, integral, resample_hermite, rotation};
 use nalgebra::Vector3;
 
 /// Turn of an attitude per compared interval, rad, and share of the range of other channels: well above noise, small enough for
@@ -172,37 +171,18 @@ fn stride(values: &[[f64; 4]], is_attitude: bool) -> usize {
     ((TURN * whole / turn) as usize).clamp(1, most)
 }
 
-/// Integral of rates, linear between samples, from the start of a run to each time, with the index of the run.
-/// `None` outside their samples and in gaps.
-pub(crate) fn integrals(rates: &[&Channel], times_s: &[f64]) -> Vec<Option<(usize, [f64; 3])>> {
-    let Some(first) = rates.first() else {
-        return Vec::new();
-    };
-    let own = &first.time_s;
-    let gap = 3.0 * median_step(own).unwrap_or(0.0);
-    let mut knots: Vec<(usize, [f64; 3], [f64; 3])> = Vec::with_capacity(own.len());
-    let further = |sum: &[f64; 3], a: &[f64; 3], b: &[f64; 3], dt: f64| -> [f64; 3] {
-        let mean = a.iter().zip(b).map(|(a, b)| 0.5 * (a + b) * dt);
-        padded(sum.iter().zip(mean).map(|(s, d)| s + d))
-    };
-    for (k, t) in own.iter().enumerate() {
-        let here = padded(rates.iter().filter_map(|c| c.values.get(k).copied()));
-        let dt = k.checked_sub(1).and_then(|k| own.get(k)).map(|t0| t - t0);
-        knots.push(match (knots.last(), dt) {
-            (Some((run, sum, before)), Some(dt)) => {
-                let run = run + usize::from(dt > gap);
-                (run, further(sum, before, &here, dt), here)
-            }
-            _ => (0, [0.0; 3], here),
-        });
-    }
-    let read: Vec<Vec<Option<f64>>> = rates.iter().map(|c| resample(c, times_s, None)).collect();
+/// Integral of rates, linear between samples, to each time, with how many gaps are before it. `None` outside their samples and in gaps.
+fn integrals(rates: &[&Channel], times_s: &[f64]) -> Vec<Option<(usize, [f64; 3])>> {
+    let read = |c: &&Channel| resample_hermite(&integral(c), c, times_s, None);
+    let all: Vec<Vec<Option<f64>>> = rates.iter().map(read).collect();
+    let own = rates.first().map_or(&[][..], |c| &c.time_s);
+    let longest = GAP * median_step(own).unwrap_or(0.0);
+    let steps = own.windows(2).filter(|w| w[1] - w[0] > longest);
+    let gaps: Vec<f64> = steps.map(|w| w[0]).collect();
     let at = |(i, t): (usize, &f64)| {
-        let here: Option<Vec<f64>> = read.iter().map(|r| r.get(i).copied().flatten()).collect();
-        let k = own.partition_point(|s| s <= t).checked_sub(1)?;
-        let (run, sum, before) = knots.get(k)?;
-        let here = padded(here?.into_iter());
-        Some((*run, further(sum, before, &here, t - own.get(k)?)))
+        let here: Option<Vec<f64>> = all.iter().map(|r| r.get(i).copied().flatten()).collect();
+        let run = gaps.partition_point(|gap| gap < t);
+        Some((run, padded(here?.into_iter())))
     };
     times_s.iter().enumerate().map(at).collect()
 }

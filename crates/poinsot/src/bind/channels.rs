@@ -3,7 +3,7 @@
 use super::attitude_start::{base_directions, differentiated, from_directions};
 use super::driven_wheels::{DrivenWheels, speed_column, torque_column};
 use super::sensors::{BaseSensors, REFERENCE, is_locked};
-use crate::channel_names::{XYZ, position};
+use crate::channel_names::{XYZ, of_parts, position};
 use crate::error::{Error, missing};
 use poinsot_dynamics::Tree;
 use poinsot_model::{Axes, Joint, Model, SensorKind};
@@ -244,13 +244,7 @@ pub fn wanted_channels(model: &Model) -> BTreeSet<String> {
     if model.environment.gravity_gradient {
         wanted.extend(XYZ.map(|k| format!("orbit_{k}")));
     }
-    for joint in &model.joints {
-        wanted.extend(joint_columns(joint));
-    }
-    for unit in ["rad_s", "Nm"] {
-        wanted.extend(model.wheels.iter().map(|w| format!("{}_{unit}", w.name)));
-    }
-    wanted.extend(model.thrusters.iter().map(|t| format!("{}_N", t.name)));
+    wanted.extend(of_parts(model));
     wanted
 }
 

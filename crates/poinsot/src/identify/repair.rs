@@ -1,14 +1,14 @@
 //! Repairs of the map that checks and diagnosis propose: each is tried before it is advised, and applied where that is asked for.
 
 use super::Identified;
+use crate::channel_names::names;
 use crate::error::Error;
 use poinsot_identify::refusal::NO_MOTION;
 use poinsot_identify::{BodyEstimate, Effect, Estimate, Remark, RemarkKind, Settings};
 use poinsot_model::{Model, SensorKind, TelemetryMap};
-use poinsot_telemetry::checks::{self, Finding};
-use poinsot_telemetry::{Change, Contradiction, Line, Repair};
+use poinsot_telemetry::checks::{self, Finding, Policy};
+use poinsot_telemetry::{Change, ConventionTest, Line, Repair, UNIT_FACTORS};
 use statrs::function::erf::erfc;
-use std::f64::consts::PI;
 
 /// Most repairs of a record, each of which is read again.
 const ROUNDS: usize = 8;
@@ -40,46 +40,54 @@ impl From<Error> for Refusal {
     }
 }
 
-impl From<&Contradiction> for Refusal {
-    fn from(found: &Contradiction) -> Self {
+impl From<ConventionTest> for Refusal {
+    fn from(found: ConventionTest) -> Self {
         Self {
             error: found.fault(),
             of: found.between.join(" "),
-            ways: found.ways.iter().take(WAYS).cloned().collect(),
+            ways: found.ways().into_iter().take(WAYS).collect(),
         }
     }
 }
 
 impl Refusal {
-    /// That of a finding whose policy is to refuse; `all` findings of the check are put right together.
-    pub fn of_finding(label: &str, finding: &Finding, all: &[Finding]) -> Self {
+    /// That of the first finding whose policy is to refuse; all findings of its check are put right together.
+    pub fn of_findings(label: &str, all: &[Finding]) -> Result<(), Self> {
+        let Some(finding) = all.iter().find(|f| f.policy == Policy::Refuse) else {
+            return Ok(());
+        };
         let own = all.iter().filter(|f| f.check == finding.check);
         let repairs: Vec<Repair> = own.filter_map(|f| f.repair.clone()).collect();
-        Self {
+        Err(Self {
             error: checks::refused(label, finding),
             of: finding.check.name().to_owned(),
             ways: finding.repair.iter().map(|_| repairs.clone()).collect(),
-        }
+        })
     }
 
     /// That of a fit; where no motion is predicted, a wheel or joint may be in another unit.
     pub fn of_fit(error: Error, model: &Model) -> Self {
-        let name = |name: &String, unit: &str| format!("{name}_{unit}");
-        let wheels = model.wheels.iter().map(|w| vec![name(&w.name, "rad_s")]);
-        let has_rates = model
-            .sensors
-            .iter()
-            .any(|s| s.kind == SensorKind::JointRate);
-        let joints = model.joints.iter().map(|j| {
-            let rate = has_rates.then(|| name(&j.name, "rad_s"));
-            std::iter::once(name(&j.name, "rad")).chain(rate).collect()
+        let of = |kind, k| names(model, kind, &[k]);
+        let wheels = (0..model.wheels.len()).map(|k| of(SensorKind::WheelSpeed, k));
+        let has_rates = model.sensors_of(SensorKind::JointRate).next().is_some();
+        let joints = (0..model.joints.len()).map(|k| {
+            let mut channels = of(SensorKind::JointPosition, k);
+            channels.extend(
+                of(SensorKind::JointRate, k)
+                    .into_iter()
+                    .filter(|_| has_rates),
+            );
+            channels
         });
         let inputs = wheels.chain(joints).filter(|_| error.code() == NO_MOTION);
         let ways = inputs.flat_map(|channels: Vec<String>| {
-            [PI / 180.0, PI / 30.0].map(|x| {
-                let (channels, change) = (channels.clone(), Change::Factor(x));
-                vec![Repair { channels, change }]
-            })
+            let way = move |x: &f64| {
+                vec![Repair {
+                    channels: channels.clone(),
+                    change: Change::Factor(*x),
+                }]
+            };
+            UNIT_FACTORS[..2].iter().map(way)
         });
         Self {
             ways: ways.collect(),
@@ -88,19 +96,14 @@ impl Refusal {
     }
 
     /// The ways after which the gate has nothing against these channels.
-    fn passing(
+    pub fn passing(
         &self,
-        model: &Model,
-        gate: impl Fn(&Model) -> Result<(), Refusal>,
-    ) -> Vec<Declared> {
-        Declared::passing(&model.telemetry, &self.ways, |declared| {
-            let found = gate(&declared.of_model(model));
-            found.map_or_else(
-                |other| !other.of.is_empty() && other.of != self.of,
-                |()| true,
-            )
-        })
-        .collect()
+        map: &TelemetryMap,
+        gate: impl Fn(&TelemetryMap) -> Result<(), Self>,
+    ) -> impl Iterator<Item = Declared> {
+        let declared = self.ways.iter().filter_map(|way| Declared::of(map, way));
+        let other = |other: Self| !other.of.is_empty() && other.of != self.of;
+        declared.filter(move |declared| gate(&declared.map).map_or_else(other, |()| true))
     }
 
     /// Advises lines that were tried.
@@ -138,22 +141,12 @@ impl Declared {
         let lines = lines.collect::<Option<Vec<_>>>()?.concat();
         Some(Self { map, lines })
     }
+}
 
-    /// The ways that pass.
-    pub fn passing(
-        map: &TelemetryMap,
-        ways: &[Vec<Repair>],
-        passes: impl Fn(&Self) -> bool,
-    ) -> impl Iterator<Item = Self> {
-        let declared = ways.iter().filter_map(|way| Self::of(map, way));
-        declared.filter(passes)
-    }
-
-    fn of_model(&self, model: &Model) -> Model {
-        Model {
-            telemetry: self.map.clone(),
-            ..model.clone()
-        }
+fn with_map(model: &Model, map: &TelemetryMap) -> Model {
+    Model {
+        telemetry: map.clone(),
+        ..model.clone()
     }
 }
 
@@ -174,7 +167,10 @@ pub(crate) fn answered(
             break;
         }
         let mut ways = match &found {
-            Err(refusal) => refusal.passing(&model, &gate),
+            Err(refusal) => {
+                let pass = |map: &TelemetryMap| gate(&with_map(&model, map));
+                refusal.passing(&model.telemetry, pass).collect()
+            }
             Ok(identified) if apply && !identified.passes() => {
                 let way = cause(&identified.estimate).map(std::slice::from_ref);
                 let way = way.and_then(|way| Declared::of(&model.telemetry, way));
@@ -184,7 +180,8 @@ pub(crate) fn answered(
         };
         // Of two channels that contradict each other, only the motion of the vehicle tells which is wrong.
         if by_fit || apply && ways.len() > 1 {
-            let trusted = |way: &Declared| ask(&way.of_model(&model)).is_ok_and(|i| i.passes());
+            let trusted =
+                |way: &Declared| ask(&with_map(&model, &way.map)).is_ok_and(|i| i.passes());
             let at = ways.iter().position(trusted);
             if by_fit && at.is_none() {
                 break;
@@ -202,7 +199,7 @@ pub(crate) fn answered(
         if lines.all(|line| assumed.contains(&line.text)) {
             break;
         }
-        let repaired = declared.of_model(&model);
+        let repaired = with_map(&model, &declared.map);
         let next = ask(&repaired);
         // What the fit proposed and the records refuse is no repair.
         if next.is_err() && found.is_ok() {
@@ -255,10 +252,9 @@ fn doubt_frame(
         return;
     }
     let of = |rate: f64| {
-        let change = Change::OrbitalAxes(rate);
-        let channels = Vec::new();
-        let declared = Declared::of(&model.telemetry, &[Repair { channels, change }])?;
-        let other = ask(&declared.of_model(model)).ok()?.estimate;
+        let frame = Repair::of("", Change::OrbitalAxes(rate));
+        let declared = Declared::of(&model.telemetry, &[frame])?;
+        let other = ask(&with_map(model, &declared.map)).ok()?.estimate;
         let better = found.deviance - other.diagnostics.as_ref()?.deviance;
         let moved = apart(estimate, &other);
         let likelier = erfc((0.5 * better.max(0.0)).sqrt()) < CHANCE;

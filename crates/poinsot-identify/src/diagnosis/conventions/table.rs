@@ -7,16 +7,9 @@ use crate::problem::Problem;
 use crate::problem::segment::{InputRate, SensorValue};
 use poinsot_model::{JointKind, SensorKind, rounded};
 use poinsot_spatial::Vector3;
-use poinsot_telemetry::{Axes, Change, Repair};
-use std::f64::consts::{PI, TAU};
+use poinsot_telemetry::{Axes, Change, Repair, UNIT_FACTORS, unit_mistake};
+use std::f64::consts::PI;
 
-/// Factors that make a number of a wrong unit right, and the mistake.
-pub(in crate::diagnosis) const UNITS: [(f64, &str); 4] = [
-    (PI / 180.0, "degrees used as radians"),
-    (PI / 30.0, "revolutions per minute used as rad/s"),
-    (TAU, "revolutions used as radians"),
-    (180.0 / PI, "radians used as degrees"),
-];
 /// Ratios that are tried of a joint, of either sign.
 const RATIOS: [f64; 9] = [0.2, 0.333, 0.5, 0.667, 0.8, 1.25, 1.5, 2.0, 3.0];
 /// Share of a ratio to which it is sought about those, and within which it is one of whole numbers.
@@ -68,43 +61,31 @@ pub(super) struct Convention {
     pub free: Option<f64>,
 }
 
-/// Channels that are read by one convention, in words.
-struct Owner {
-    place: Place,
-    name: String,
-}
-
-/// One owner for each name.
-fn each<'a>(names: impl IntoIterator<Item = &'a str>, place: fn(usize) -> Place) -> Vec<Owner> {
-    let of = |(k, name): (usize, &str)| Owner {
-        place: place(k),
-        name: name.to_owned(),
-    };
-    names.into_iter().enumerate().map(of).collect()
+/// One owner for each name, as declared.
+fn each<'a>(
+    names: impl IntoIterator<Item = &'a str>,
+    place: fn(usize) -> Place,
+) -> Vec<Convention> {
+    let names = names.into_iter().enumerate();
+    names
+        .map(|(k, name)| Convention::as_declared(place(k), name.to_owned()))
+        .collect()
 }
 
 /// Each change of each owner; `free` says how far its value may lie from the true one.
 fn rows<'a>(
-    owners: impl IntoIterator<Item = &'a Owner>,
+    owners: impl IntoIterator<Item = &'a Convention>,
     changes: &[Change],
     free: fn(f64) -> Option<f64>,
 ) -> Vec<Convention> {
-    let of = |owner: &'a Owner| {
-        let one = |change: &Change| {
-            let row = Convention {
-                place: owner.place.clone(),
-                change: *change,
-                owner: owner.name.clone(),
-                free: None,
-            };
-            Convention {
-                free: free(row.value()),
-                ..row
-            }
-        };
-        changes.iter().map(one).collect::<Vec<_>>()
+    let one = |(own, change): (&Convention, &Change)| {
+        let mut row = own.clone();
+        row.change = *change;
+        row.free = free(row.value());
+        row
     };
-    owners.into_iter().flat_map(of).collect()
+    let of = |own: &'a Convention| changes.iter().map(move |change| (own, change));
+    owners.into_iter().flat_map(of).map(one).collect()
 }
 
 /// A value that is known.
@@ -127,14 +108,12 @@ pub(super) fn all(experiment: &Experiment) -> Vec<Vec<Convention>> {
     let mut wheels = each(wheels.map(|w| w.name.as_str()), |k| Place::Wheels(vec![k]));
     let exchanged = pairs(&wheels, Place::Wheels);
     if wheels.len() > 1 {
-        wheels.push(Owner {
-            place: Place::Wheels((0..wheels.len()).collect()),
-            name: "all wheels".to_owned(),
-        });
+        let all = Place::Wheels((0..wheels.len()).collect());
+        wheels.push(Convention::as_declared(all, "all wheels".to_owned()));
     }
-    let factor = |of: &[Owner], x: f64| rows(of, &[Change::Factor(x)], fixed);
+    let factor = |of: &[Convention], x: f64| rows(of, &[Change::Factor(x)], fixed);
     let mut all = vec![factor(&thrusters, 0.0), factor(&thrusters, -1.0), exchanged];
-    let factors = [-1.0].into_iter().chain(UNITS.map(|u| u.0));
+    let factors = [-1.0].into_iter().chain(UNIT_FACTORS);
     all.extend(factors.map(|x| factor(&wheels, x)));
     all.push(pulses(experiment));
     all.push(exchanged_forces);
@@ -145,11 +124,11 @@ pub(super) fn all(experiment: &Experiment) -> Vec<Vec<Convention>> {
 }
 
 /// Each two of a kind in each other's column.
-fn pairs(owners: &[Owner], place: fn(Vec<usize>) -> Place) -> Vec<Convention> {
+fn pairs(owners: &[Convention], place: fn(Vec<usize>) -> Place) -> Vec<Convention> {
     let of = |j: usize| (0..j).map(move |i| [i, j]);
-    let all = (1..owners.len()).flat_map(of).map(|two| Owner {
-        place: place(two.into()),
-        name: two.map(|k| owners[k].name.as_str()).join(" and "),
+    let all = (1..owners.len()).flat_map(of).map(|two| {
+        let names = two.map(|k| owners[k].owner.as_str()).join(" and ");
+        Convention::as_declared(place(two.into()), names)
     });
     rows(&all.collect::<Vec<_>>(), &[Change::Exchanged], fixed)
 }
@@ -184,7 +163,7 @@ fn joints(problem: &Problem) -> Vec<Vec<Convention>> {
         two.all(|w| kinds[w[0]] == kinds[w[1]])
     });
     owners.retain(|owner| owner.place.members().iter().all(|k| moves(problem, *k)));
-    let turns = |owner: &&Owner| {
+    let turns = |owner: &&Convention| {
         let mut own = owner.place.members().iter();
         own.all(|k| kinds[*k] != JointKind::Prismatic)
     };
@@ -201,7 +180,11 @@ fn joints(problem: &Problem) -> Vec<Vec<Convention>> {
             Some(0.6 * ZERO_STEP)
         }),
         rows(&owners, &ratios, |ratio| Some(ABOUT * ratio.abs())),
-        rows(&owners, &UNITS.map(|u| Change::Factor(u.0)), fixed),
+        rows(
+            owners.iter().filter(turns),
+            &UNIT_FACTORS.map(Change::Factor),
+            fixed,
+        ),
     ]
 }
 
@@ -212,14 +195,12 @@ fn gyro(problem: &Problem) -> [Vec<Convention>; 2] {
     let seen = observed.any(|o| o.reads(SensorKind::Attitude));
     let sensors = first.into_iter().flatten().enumerate().filter(|_| !seen);
     let gyros = sensors.filter(|(_, s)| s.kind == SensorKind::Gyro);
-    let gyros = gyros.map(|(k, s)| Owner {
-        place: Place::Sensor(k),
-        name: format!("the {}", s.name),
-    });
-    let gyros: Vec<Owner> = gyros.collect();
+    let gyros =
+        gyros.map(|(k, s)| Convention::as_declared(Place::Sensor(k), format!("the {}", s.name)));
+    let gyros: Vec<Convention> = gyros.collect();
     let axes = Axes::all().filter(|axes| *axes != Axes::IDENTITY);
     let axes: Vec<Change> = axes.map(Change::Axes).collect();
-    let [degrees, rpm, ..] = UNITS.map(|u| Change::Factor(u.0));
+    let [degrees, rpm, ..] = UNIT_FACTORS.map(Change::Factor);
     [
         rows(&gyros, &axes, fixed),
         rows(&gyros, &[degrees, rpm], fixed),
@@ -227,6 +208,15 @@ fn gyro(problem: &Problem) -> [Vec<Convention>; 2] {
 }
 
 impl Convention {
+    fn as_declared(place: Place, owner: String) -> Self {
+        Self {
+            place,
+            change: Change::Factor(1.0),
+            owner,
+            free: None,
+        }
+    }
+
     pub fn value(&self) -> f64 {
         match self.change {
             Change::Factor(x) | Change::Offset(x) | Change::ClosesLate(x) => x,
@@ -254,50 +244,43 @@ impl Convention {
         near.then(|| self.clone().with_value(known))
     }
 
-    pub fn fault(&self) -> FaultKind {
-        match (&self.place, self.change) {
-            (Place::Thrusters(_), _) => FaultKind::Thrust,
-            (Place::Wheels(_), Change::Exchanged) => FaultKind::WheelExchange,
-            (Place::Wheels(_), Change::Factor(x)) if x < 0.0 => FaultKind::WheelSign,
-            (_, Change::Factor(x)) if unit(x).is_some() => FaultKind::Units,
-            _ => FaultKind::Convention,
-        }
-    }
-
     /// The mistake.
-    pub fn words(&self) -> String {
+    pub fn named(&self) -> (FaultKind, String) {
+        use FaultKind::{Convention, Thrust, WheelExchange};
         let owner = &self.owner;
         match (&self.place, self.change) {
-            (Place::Thrusters(_), Change::Factor(0.0)) => format!("no force of {owner}"),
-            (Place::Thrusters(_), Change::Factor(_)) => format!("a wrong direction of {owner}"),
+            (Place::Thrusters(_), Change::Factor(0.0)) => (Thrust, format!("no force of {owner}")),
+            (Place::Thrusters(_), Change::Factor(_)) => {
+                (Thrust, format!("a wrong direction of {owner}"))
+            }
+            (Place::Thrusters(_), _) => (Thrust, format!("exchanged columns of {owner}")),
             (_, Change::ClosesLate(x)) => {
                 let off = if x < 0.0 { "shorter" } else { "longer" };
-                format!(
-                    "{owner} {} s {off} than commanded (closes_late_s = {} in the columns of the thrusters)",
-                    rounded(x.abs(), 3),
-                    rounded(x, 3)
-                )
+                let [by, late] = [x.abs(), x].map(|x| rounded(x, 3));
+                let key = format!("closes_late_s = {late} in the columns of the thrusters");
+                let words = format!("{owner} {by} s {off} than commanded ({key})");
+                (Convention, words)
             }
-            (Place::Wheels(_), Change::Exchanged) => format!("exchanged speeds of {owner}"),
+            (Place::Wheels(_), Change::Exchanged) => {
+                (WheelExchange, format!("exchanged speeds of {owner}"))
+            }
             (_, Change::Offset(x)) => {
                 let degrees = rounded(x.to_degrees(), 4);
-                format!("another zero of {owner} (offset = {degrees} deg in its column)")
+                let words =
+                    format!("another zero of {owner} (offset = {degrees} deg in its column)");
+                (Convention, words)
             }
             (_, Change::Axes(axes)) => {
-                format!("other axes of {owner} (body axes = {axes})")
+                let words = format!("other axes of {owner} (body axes = {axes})");
+                (Convention, words)
             }
-            (_, Change::Factor(x)) => match unit(x) {
-                Some(words) => format!("a wrong unit of {owner} ({words})"),
-                None if x == -1.0 && matches!(self.place, Place::Joints(_)) => {
-                    format!("a wrong sign of {owner} (sign = -1 in its columns)")
-                }
-                None if x == -1.0 => format!("a wrong sign of {owner}"),
-                None => format!(
-                    "another ratio of {owner} (scale = {} in its columns)",
-                    rounded(x, 6)
-                ),
-            },
-            _ => format!("exchanged columns of {owner}"),
+            (Place::Joints(_), Change::Factor(-1.0)) => {
+                let words = format!("a wrong sign of {owner} (sign = -1 in its columns)");
+                (Convention, words)
+            }
+            (Place::Joints(_), Change::Factor(x)) => mistake(owner, "rad", x),
+            (_, Change::Factor(x)) => mistake(owner, "rad/s", x),
+            _ => (Convention, format!("exchanged columns of {owner}")),
         }
     }
 
@@ -347,9 +330,20 @@ impl Convention {
     }
 }
 
-fn unit(factor: f64) -> Option<&'static str> {
-    let same = |x: f64| (factor / x - 1.0).abs() < SAME;
-    UNITS.iter().find(|u| same(u.0)).map(|u| u.1)
+/// The mistake that a factor of a number puts right whose unit is this.
+pub(in crate::diagnosis) fn mistake(owner: &str, unit: &str, factor: f64) -> (FaultKind, String) {
+    match unit_mistake(unit, factor) {
+        Some(words) => (
+            FaultKind::Units,
+            format!("a wrong unit of {owner} ({words})"),
+        ),
+        None if factor == -1.0 => (FaultKind::WheelSign, format!("a wrong sign of {owner}")),
+        None => {
+            let scale = rounded(factor, 6);
+            let words = format!("another ratio of {owner} (scale = {scale} in its columns)");
+            (FaultKind::Convention, words)
+        }
+    }
 }
 
 /// The nearest ratio of small whole numbers.

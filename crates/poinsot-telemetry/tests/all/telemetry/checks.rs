@@ -1,7 +1,7 @@
 //! Findings of the checks, absence of false findings, and effects of policies.
 
 use crate::telemetry::read_text;
-use poinsot_telemetry::checks::{Check, Policies, apply, findings};
+use poinsot_telemetry::checks::{Check, Policies, Policy, apply, findings, refused};
 use poinsot_telemetry::{ReadOptions, Table};
 
 /// Pseudo-random noise between -1 and 1.
@@ -143,7 +143,7 @@ fn exact_policies_do_what_they_say() {
     let faulty = || gyro(|k, [x, y, z]| [if k % 50 == 7 { x + 0.5 } else { x }, y, z]);
     let policies = |changes: &[&str], strict| Policies::new(changes, strict).unwrap();
     let mut table = faulty();
-    let found = apply(&mut table, "t.csv", &policies(&[], false)).unwrap();
+    let found = apply(&mut table, "t.csv", &policies(&[], false));
     assert_eq!(found.len(), 1);
     // All axes of the sensor lose the sample, and the repairs list it.
     assert!(table.channels.iter().all(|c| c.values.len() == 392));
@@ -154,13 +154,15 @@ fn exact_policies_do_what_they_say() {
             .any(|r| r.starts_with("t.csv: outlier: 8 of 400 samples of omega_x left out"))
     );
     let mut table = faulty();
-    apply(&mut table, "t.csv", &policies(&["outlier=report"], false)).unwrap();
+    apply(&mut table, "t.csv", &policies(&["outlier=report"], false));
     assert!(table.channels.iter().all(|c| c.values.len() == 400));
     for policies in [
         policies(&["outlier=refuse"], false),
         policies(&["outlier=report"], true),
     ] {
-        let error = apply(&mut faulty(), "t.csv", &policies).unwrap_err();
+        let found = apply(&mut faulty(), "t.csv", &policies);
+        assert_eq!(found[0].policy, Policy::Refuse);
+        let error = refused("t.csv", &found[0]);
         assert!(
             error
                 .to_string()

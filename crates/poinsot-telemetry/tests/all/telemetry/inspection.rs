@@ -27,7 +27,7 @@ fn unit_an_inspection_lists_rates_gaps_and_proposals() {
     assert!(seen.channels[1].constant);
     assert_eq!(seen.ignored, ["wy [deg/s]", "Mode"]);
     assert_eq!(
-        seen.suggestions[0].toml,
+        seen.suggestions[0],
         "omega_y = { column = \"wy [deg/s]\", unit = \"deg/s\" }"
     );
     assert_eq!(
