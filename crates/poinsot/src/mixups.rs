@@ -13,10 +13,15 @@ use poinsot_telemetry::{
 };
 
 /// Ratios of estimated to nominal inertia caused by units of mass and length.
-#[rustfmt::skip]
 const FACTORS: [(f64, &str); 4] = [
-    (1.0e3, "a factor of a thousand (g for kg, mN for N) in the model or the telemetry"),
-    (1.0e-3, "a factor of a thousand (kg for g, N for mN) in the model or the telemetry"),
+    (
+        1.0e3,
+        "a factor of a thousand (g for kg, mN for N) in the model or the telemetry",
+    ),
+    (
+        1.0e-3,
+        "a factor of a thousand (kg for g, N for mN) in the model or the telemetry",
+    ),
     (1.0e4, "kg cm2 for kg m2 in the model"),
     (1.0e-4, "kg m2 for kg cm2 in the model"),
 ];

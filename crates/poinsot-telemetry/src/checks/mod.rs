@@ -68,14 +68,17 @@ impl Policy {
 }
 
 /// Every check in order of execution, its name, and its valid policies, default first.
-#[rustfmt::skip]
 const CHECKS: [(Check, &str, &[Policy]); 10] = {
     use Policy::{Exclude, Refuse, Report};
     const LEFT_OUT: &[Policy] = &[Exclude, Report, Refuse];
     const LISTED: &[Policy] = &[Report, Refuse];
     [
         (Check::Gap, "gap", LISTED),
-        (Check::Placeholder, "placeholder", &[Report, Exclude, Refuse]),
+        (
+            Check::Placeholder,
+            "placeholder",
+            &[Report, Exclude, Refuse],
+        ),
         (Check::Wrap, "wrap", &[Refuse, Report]),
         (Check::Held, "held", LEFT_OUT),
         (Check::Saturation, "saturation", LEFT_OUT),

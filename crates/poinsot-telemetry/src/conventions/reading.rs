@@ -10,16 +10,30 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// What puts rates right, and the mistake.
-#[rustfmt::skip]
 const UNITS: [(Change, &str); 8] = [
     (Change::Factor(PI / 180.0), "gyro in deg/s"),
     (Change::Factor(PI / 30.0), "gyro in rpm"),
-    (Change::Factor(180.0 / PI), "gyro in rad/s (it is mapped as deg/s)"),
-    (Change::Factor(30.0 / PI), "gyro in rad/s (it is mapped as rpm)"),
-    (Change::Clock(1.0e-3), "times in ms used as s (or a gyro in mrad/s)"),
-    (Change::Clock(1.0e3), "times in s used as ms (or a gyro used as mrad/s)"),
+    (
+        Change::Factor(180.0 / PI),
+        "gyro in rad/s (it is mapped as deg/s)",
+    ),
+    (
+        Change::Factor(30.0 / PI),
+        "gyro in rad/s (it is mapped as rpm)",
+    ),
+    (
+        Change::Clock(1.0e-3),
+        "times in ms used as s (or a gyro in mrad/s)",
+    ),
+    (
+        Change::Clock(1.0e3),
+        "times in s used as ms (or a gyro used as mrad/s)",
+    ),
     (Change::Clock(60.0), "times in min used as s"),
-    (Change::Increments, "angles since the sample before in the columns of the gyro (increments = true)"),
+    (
+        Change::Increments,
+        "angles since the sample before in the columns of the gyro (increments = true)",
+    ),
 ];
 
 /// A row of the table: a change of what is read.
