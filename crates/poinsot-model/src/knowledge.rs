@@ -3,6 +3,7 @@
 //! One table gives the uncertainty by the source of a number; the default source is a drawing. A model file may
 //! declare another uncertainty, or none (`exact = true`). The figures are engineering judgement, each with its reason.
 
+use crate::posterior::Posterior;
 use poinsot_spatial::Vector3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -81,6 +82,8 @@ pub struct Knowledge {
     pub nominal_within: Option<f64>,
     /// Correlation of the errors of two thrusters' known forces.
     pub thrust_correlation: f64,
+    /// What an earlier answer told of the unknown numbers; no file declares it.
+    pub posterior: Option<Posterior>,
 }
 
 impl Knowledge {

@@ -51,6 +51,7 @@
 //! - `shape.rs`: checks a file against the table.
 //! - `check.rs`, `check_*.rs`: what rows cannot say, from raw to checked; every finding is reported.
 //! - `vehicle.rs`: the checked `Model`. `known.rs`: uncertainty of known numbers, in one table.
+//! - `posterior.rs`: what an earlier answer told of the unknown ones.
 //! - `kinematic.rs`: conversion to the tree. `write.rs`: fills the table of keys, which `toml` writes.
 //! - `describe.rs`: description for `check`; `words.rs`: any table of keys in words. `finding.rs`: codes E01xx.
 //! - `urdf/`: reading URDF. `urdf/limits.rs`: limits checked before a tree is built. `vehicle_file.rs`: a file of either kind.
@@ -77,6 +78,7 @@ mod knowledge;
 mod known;
 mod model_text;
 mod patch;
+mod posterior;
 mod read;
 mod schema;
 mod shape;
@@ -100,6 +102,7 @@ pub use model_text::read_model_text;
 pub use patch::{BodyProperties, Patch, Patched, patch_mjcf, patch_model, patch_sdf, patch_urdf};
 pub use poinsot_files::rounded;
 pub use poinsot_telemetry::TelemetryMap;
+pub use posterior::{Posterior, PosteriorKnown};
 pub use read::{check_keys, locate, parse_model, parse_telemetry_map, read_telemetry_map};
 pub use schema::{model_schema, telemetry_map_schema, without_null};
 pub use shape::{Format, MODEL_SCHEMA};

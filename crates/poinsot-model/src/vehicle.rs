@@ -127,6 +127,17 @@ pub struct Prior {
     pub entropic: Option<f64>,
 }
 
+impl Prior {
+    /// One sigma of a number, by its place among [`poinsot_spatial::MASS_PROPERTY_NAMES`].
+    pub fn sigma(&self, number: usize) -> Option<f64> {
+        match number {
+            0 => self.mass,
+            1..=3 => self.com,
+            _ => self.inertia,
+        }
+    }
+}
+
 /// Kind of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]

@@ -18,6 +18,7 @@ use crate::problem::Problem;
 use crate::problem::parameters::{KnownUnknown, Parameters, Unknown, UnknownKind};
 use crate::problem::prior::{Conflict, LEAST_SHARE, PriorTest};
 use nalgebra::{DMatrix, DVector};
+use poinsot_formats::address;
 use poinsot_model::{Model, rounded};
 
 /// Effect of one sigma of a number on all predictions together, in their noise, below which it is left out.
@@ -139,7 +140,13 @@ fn unknowns(model: &Model) -> Vec<Unknown> {
     for uncertain in model.uncertain() {
         let number = uncertain.number;
         for component in 0..number.components() {
-            let sigma = number.absolute(model, component, uncertain.sigma);
+            let name = number.name(model, component);
+            let at = address(&name, number.unit());
+            let mut told = model.knowledge.posterior.iter().flat_map(|p| &p.known);
+            let declared = || number.absolute(model, component, uncertain.sigma);
+            let sigma = told
+                .find(|k| k.address == at)
+                .map_or_else(declared, |k| k.sigma);
             if sigma.is_nan() || sigma <= 0.0 {
                 continue;
             }
@@ -152,7 +159,7 @@ fn unknowns(model: &Model) -> Vec<Unknown> {
             };
             all.push(Unknown {
                 kind: UnknownKind::Known(known),
-                name: number.name(model, component),
+                name,
                 unit: number.unit(),
                 nominal: number.value(model, component),
                 natural: sigma,

@@ -4,7 +4,8 @@ use crate::problem::Problem;
 use crate::problem::parameters::{Equations, Parameters};
 use crate::problem::quantity::{Quantity, TenParameters, mass_property, unit};
 use nalgebra::{DMatrix, Matrix4};
-use poinsot_model::{Nuisance, Prior};
+use poinsot_formats::address;
+use poinsot_model::{Model, Nuisance, Prior};
 use poinsot_spatial::{
     InertialParameters, MASS_PROPERTY_NAMES, MASS_PROPERTY_UNITS, pseudo_inertia,
 };
@@ -84,6 +85,24 @@ impl PriorRows {
         });
     }
 
+    /// Deviations from zero with this covariance, over its root.
+    fn whitened(&mut self, covariance: DMatrix<f64>, deviations: &[Quantity]) {
+        let n = deviations.len();
+        let root = covariance.cholesky().map(|c| c.l());
+        let inverse = root.and_then(|l| l.solve_lower_triangular(&DMatrix::identity(n, n)));
+        let Some(inverse) = inverse else { return };
+        for i in 0..n {
+            let mut gradient = vec![0.0; deviations[i].gradient.len()];
+            let mut residual = 0.0;
+            for (j, deviation) in deviations.iter().enumerate().take(i + 1) {
+                let slopes = gradient.iter_mut().zip(&deviation.gradient);
+                slopes.for_each(|(sum, own)| *sum += inverse[(i, j)] * own);
+                residual -= inverse[(i, j)] * deviation.value;
+            }
+            self.push(gradient, residual, None);
+        }
+    }
+
     fn gaussian(&mut self, quantity: &Quantity, declared: Declared) {
         let sigma = declared.sigma;
         let gradient = quantity.gradient.iter().map(|g| g / sigma).collect();
@@ -97,9 +116,11 @@ pub(crate) fn calibration(problem: &Problem, parameters: &Parameters, x: &[f64])
     let mut out = PriorRows::default();
     let registry = problem.registry();
     known_numbers(parameters, x, &mut out);
+    earlier(problem.model, parameters, x, &mut out);
     for (at, unknown) in parameters.unknowns.iter().enumerate() {
         let declared = registry.entry(&unknown.kind).map(|entry| entry.declared);
-        if let Some(Nuisance::Prior(sigma)) = declared {
+        let told = is_told(problem.model, &unknown.name, unknown.unit);
+        if let Some(Nuisance::Prior(sigma)) = declared.filter(|_| !told) {
             let declared = Declared {
                 name: unknown.name.clone(),
                 unit: unknown.unit,
@@ -118,20 +139,66 @@ fn known_numbers(parameters: &Parameters, x: &[f64], out: &mut PriorRows) {
     if places.is_empty() {
         return;
     }
-    let covariance = parameters.known_covariance();
-    let n = places.len();
-    let root = covariance.cholesky().map(|c| c.l());
-    let inverse = root.and_then(|l| l.solve_lower_triangular(&DMatrix::identity(n, n)));
-    let Some(inverse) = inverse else { return };
-    for i in 0..n {
-        let mut gradient = vec![0.0; x.len()];
-        let mut residual = 0.0;
-        for (j, place) in places.iter().enumerate().take(i + 1) {
-            gradient[*place] = inverse[(i, j)];
-            residual -= inverse[(i, j)] * (x[*place] - parameters.unknowns[*place].nominal);
+    let deviations = places.iter().map(|k| parameters.deviation(*k, x));
+    out.whitened(
+        parameters.known_covariance(),
+        &deviations.collect::<Vec<_>>(),
+    );
+}
+
+/// What an earlier answer told: numbers about the values of the model, less what known numbers move, over the root of their
+/// covariance. Numbers without effect on this record drop out.
+fn earlier(model: &Model, parameters: &Parameters, x: &[f64], out: &mut PriorRows) {
+    let Some(told) = &model.knowledge.posterior else {
+        return;
+    };
+    let unknown = |at: &str| {
+        let mut all = parameters.unknowns.iter();
+        all.position(|u| address(&u.name, u.unit) == at)
+    };
+    let known = told.known.iter();
+    let known: Vec<_> = known
+        .filter_map(|k| Some((unknown(&k.address)?, &k.slopes)))
+        .collect();
+    let (mut places, mut deviations) = (Vec::new(), Vec::new());
+    for (at, number) in told.numbers.iter().enumerate() {
+        let of_body = deviation_of_body(parameters, number, x);
+        let own = of_body.or_else(|| Some(parameters.deviation(unknown(number)?, x)));
+        let Some(mut own) = own else { continue };
+        for (place, slopes) in &known {
+            own.value -= slopes[at] * parameters.deviation(*place, x).value;
+            own.gradient[*place] -= slopes[at];
         }
-        out.push(gradient, residual, None);
+        places.push(at);
+        deviations.push(own);
     }
+    let n = places.len();
+    let covariance = DMatrix::from_fn(n, n, |i, j| told.covariance[places[i]][places[j]]);
+    out.whitened(covariance, &deviations);
+}
+
+/// A number of a body, by its address, less its nominal value.
+fn deviation_of_body(parameters: &Parameters, at: &str, x: &[f64]) -> Option<Quantity> {
+    let named = |(body, name): (usize, &String)| {
+        let is = |of: &&str| address(&format!("{name}.{of}"), "") == at;
+        let number = MASS_PROPERTY_NAMES.iter().position(|of| is(&of))?;
+        Some((body, number))
+    };
+    let names = parameters.body_names.iter().enumerate();
+    let mut own = names.filter(|(_, name)| at.starts_with(name.as_str()));
+    let (body, number) = own.find_map(named)?;
+    if !parameters.estimate[body].has(number) {
+        return None;
+    }
+    let mut quantity = mass_property(parameters, body, number, x)?;
+    quantity.value -= parameters.nominal_properties[body].to_array()[number];
+    Some(quantity)
+}
+
+/// Whether an earlier answer told of a number, so that its declared prior does not count again.
+fn is_told(model: &Model, name: &str, unit: &str) -> bool {
+    let told = model.knowledge.posterior.as_ref();
+    told.is_some_and(|told| told.place(&address(name, unit)).is_some())
 }
 
 /// Priors of mass properties (CAD). `None` where an entropic prior meets a body that is not physical.
@@ -142,30 +209,31 @@ pub(crate) fn design(problem: &Problem, parameters: &Parameters, x: &[f64]) -> O
         if !body.estimate.any() {
             continue;
         }
-        body_rows(&mut out, parameters, at, prior, x)?;
+        body_rows(&mut out, (problem.model, parameters), at, prior, x)?;
     }
     Some(out)
 }
 
 fn body_rows(
     out: &mut PriorRows,
-    parameters: &Parameters,
+    (model, parameters): (&Model, &Parameters),
     at: usize,
     prior: &Prior,
     x: &[f64],
 ) -> Option<()> {
     let (asked, body) = (parameters.estimate[at], &parameters.body_names[at]);
     let nominal = parameters.nominal_properties[at].to_array();
+    let mut any_told = false;
     for (k, nominal) in nominal.into_iter().enumerate() {
-        let sigma = match k {
-            0 => prior.mass,
-            1..=3 => prior.com,
-            _ => prior.inertia,
-        };
+        let name = format!("{body}.{}", MASS_PROPERTY_NAMES[k]);
+        if is_told(model, &name, "") {
+            any_told = true;
+            continue;
+        }
         let quantity = asked.has(k).then(|| mass_property(parameters, at, k, x));
-        if let (Some(sigma), Some(quantity)) = (sigma, quantity.flatten()) {
+        if let (Some(sigma), Some(quantity)) = (prior.sigma(k), quantity.flatten()) {
             let declared = Declared {
-                name: format!("{body}.{}", MASS_PROPERTY_NAMES[k]),
+                name,
                 unit: MASS_PROPERTY_UNITS[k],
                 nominal,
                 sigma,
@@ -174,7 +242,7 @@ fn body_rows(
         }
     }
     let momentum = parameters.equations == Equations::Momentum;
-    if let Some(sigma) = prior.entropic.filter(|_| momentum) {
+    if let Some(sigma) = prior.entropic.filter(|_| momentum && !any_told) {
         let ten = TenParameters::of_body(parameters, at, x);
         entropic(out, &ten, &parameters.nominal[at], sigma)?;
     }
