@@ -184,12 +184,12 @@ impl Question {
         let problem = bound.problem(model, &tree);
         let priors = self.design.priors;
         let information = match rows {
-            Rows::Share(_) => Information::roughly(&problem, priors)?,
+            Rows::Share(_) => Information::roughly(&problem, priors, thinned)?,
             Rows::All => Information::of_either_wheel_motion(&problem, priors)?,
         };
         let terms: Vec<Vec<WantedTerm>> = self.wants.iter().map(|w| w.terms.clone()).collect();
         Ok(Flight {
-            covariance: information.covariance(&terms) / thinned,
+            covariance: information.covariance(&terms),
             course,
         })
     }

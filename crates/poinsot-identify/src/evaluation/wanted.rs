@@ -40,6 +40,8 @@ pub struct Information {
     r: DMatrix<f64>,
     /// The other motion of the wheels between samples, where it counts.
     other: Option<OtherWheelMotion>,
+    /// How many samples each sample stands for.
+    weight: f64,
 }
 
 impl Information {
@@ -48,24 +50,33 @@ impl Information {
     /// # Errors
     /// The model or the data are not valid for the method.
     pub fn of(problem: &Problem, with_priors: bool) -> Result<Self, ProblemError> {
-        Self::in_steps(problem, with_priors, 1)
+        Self::in_steps(problem, with_priors, (1, 1.0))
     }
 
     /// The same to the third digit of a sigma, in a quarter of the integration steps: for a search that evaluates
-    /// thousands and ends with the whole.
+    /// thousands and ends with the whole. Each sample stands for `weight` samples.
     ///
     /// # Errors
     /// As [`Information::of`].
-    pub fn roughly(problem: &Problem, with_priors: bool) -> Result<Self, ProblemError> {
-        Self::in_steps(problem, with_priors, ROUGH)
+    pub fn roughly(
+        problem: &Problem,
+        with_priors: bool,
+        weight: f64,
+    ) -> Result<Self, ProblemError> {
+        Self::in_steps(problem, with_priors, (ROUGH, weight))
     }
 
-    /// With one step in place of so many.
-    fn in_steps(problem: &Problem, with_priors: bool, steps: u32) -> Result<Self, ProblemError> {
+    /// With one step in place of so many, and one sample in place of so many.
+    fn in_steps(
+        problem: &Problem,
+        with_priors: bool,
+        (steps, weight): (u32, f64),
+    ) -> Result<Self, ProblemError> {
         problem.check_samples()?;
         problem.check_observations()?;
         let parameters = problem.likelihood_parameters()?;
-        let experiment = Experiment::new(problem, &parameters).coarse(steps);
+        let mut experiment = Experiment::new(problem, &parameters).coarse(steps);
+        experiment.weight = weight;
         let point = experiment.nominal_point();
         let evaluated = experiment.evaluate(&point, true);
         let evaluated = evaluated.ok_or_else(no_motion)?;
@@ -76,6 +87,7 @@ impl Information {
             x: point.x,
             parameters,
             other: None,
+            weight,
         })
     }
 
@@ -113,7 +125,7 @@ impl Information {
                 &column.unwrap_or_else(|| DVector::repeat(n, f64::INFINITY)),
             );
         }
-        let mut covariance = white.transpose() * white;
+        let mut covariance = white.transpose() * white / self.weight;
         if let Some(other) = &self.other {
             let added = |i, j| other.covariance(changes[i], changes[j]);
             covariance += DMatrix::from_fn(sums.len(), sums.len(), added);

@@ -62,6 +62,8 @@ pub(crate) struct Experiment<'a> {
     pub keep_rows: bool,
     /// Whether evaluations smooth the inputs.
     pub smooth_inputs: bool,
+    /// How many samples each sample stands for.
+    pub weight: f64,
     /// Errors of sensors by model sensor, each with a column in the rows of its own sensor alone.
     pub own_errors: Vec<(usize, SensorError)>,
     /// Integration steps, one grid per segment, chosen once for the nominal vehicle.
@@ -107,6 +109,7 @@ impl<'a> Experiment<'a> {
             only_near: false,
             keep_rows: false,
             smooth_inputs: false,
+            weight: 1.0,
             own_errors: Vec::new(),
             grids: Arc::default(),
             curves: Arc::default(),
@@ -323,7 +326,7 @@ impl<'a> Experiment<'a> {
     }
 
     /// Triangle of the shared unknowns: the rows of every segment below its own head, those of declared
-    /// calibrations, and, if wanted, those of the design.
+    /// calibrations, and, if wanted, those of the design. A row stands for one sample, of the weight of the experiment.
     pub fn stack(&self, at: &Iterate, evaluated: &[Evaluated], with_design: bool) -> Triangle {
         let mut stacked = BlockQr::new(self.parameters.len() + 1);
         for (one, unknown) in evaluated.iter().zip(&self.unknown) {
@@ -334,9 +337,10 @@ impl<'a> Experiment<'a> {
             }
         }
         let priors = self.prior_rows(at, with_design);
+        let root = self.weight.sqrt();
         for row in &priors {
             stacked.push(1, |_, j| {
-                row.gradient.get(j).copied().unwrap_or(row.residual)
+                row.gradient.get(j).copied().unwrap_or(row.residual) / root
             });
         }
         stacked.finish()

@@ -282,7 +282,7 @@ fn exact_rough_information_has_the_sigmas_of_the_whole() {
         let sums: Vec<Vec<WantedTerm>> = wanted.iter().map(of_base).collect();
         let of = |i: Information| i.covariance(&sums).map_diagonal(f64::sqrt);
         let whole = of(Information::of(&problem, false).unwrap());
-        let rough = of(Information::roughly(&problem, false).unwrap());
+        let rough = of(Information::roughly(&problem, false, 1.0).unwrap());
         let ratio = rough.component_div(&whole);
         println!("{:.7}", ratio.transpose());
         let is_same = ratio.iter().all(|r| (r - 1.0).abs() < 1.0e-3);
