@@ -182,7 +182,14 @@ def validate(
     out: _Path | None = None,
 ) -> tuple[str, str, int]: ...
 def design(
-    case: _Path, out: _Path | None = None, minutes: float | None = None, verify: int = 0, front: str | None = None, progress: _Progress = None
+    case: _Path,
+    out: _Path | None = None,
+    after: _Path | None = None,
+    accept_unreliable: bool = False,
+    minutes: float | None = None,
+    verify: int = 0,
+    front: str | None = None,
+    progress: _Progress = None,
 ) -> tuple[str, str, int]: ...
 def study(paper: str, name: str, data: _Path, progress: _Progress = None) -> tuple[str, str, int]: ...
 def compare(answers: Sequence[Answer | _Path]) -> tuple[str, str, int]: ...

@@ -348,6 +348,8 @@ def design(
     case: PathLike,
     *,
     out: PathLike | None = None,
+    after: PathLike | None = None,
+    accept_unreliable: bool = False,
     minutes: float | None = None,
     verify: int = 0,
     front: str | None = None,
@@ -361,6 +363,11 @@ def design(
         Case file with ``[[want]]``, ``[limits]`` and ``[design]``.
     out
         Folder for ``case.toml``, ``model.toml``, ``commands.csv`` and ``design.json``.
+    after
+        ``estimate.json``, or its folder, of the records so far: its values are the nominal ones, and the sigmas include its
+        covariance.
+    accept_unreliable
+        Design after an answer that is not reliable too.
     minutes
         Ends the search after this time with the best manoeuvre so far.
     verify
@@ -370,7 +377,7 @@ def design(
     progress
         As of :func:`identify`.
     """
-    return Document(*_core.design(case, out, minutes, verify, front, _reporter(progress)))
+    return Document(*_core.design(case, out, after, accept_unreliable, minutes, verify, front, _reporter(progress)))
 
 
 def campaign(

@@ -422,6 +422,13 @@ pub struct Design {
     /// Folder for case.toml (the manoeuvre), model.toml, commands.csv, firings.csv and design.json; created if missing.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Answer after which the manoeuvre is flown (folder of identify --out, or estimate.json): its values are the nominal ones,
+    /// its covariance is what is known so far.
+    #[arg(long, value_name = "DIR")]
+    pub after: Option<PathBuf>,
+    /// Design after an answer that is not reliable too.
+    #[arg(long)]
+    pub accept_unreliable: bool,
     /// Stop the search after N minutes with the best manoeuvre so far.
     #[arg(long, value_name = "N")]
     pub minutes: Option<f64>,

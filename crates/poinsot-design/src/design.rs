@@ -11,6 +11,7 @@ use crate::watch::Watch;
 use crate::written::manoeuvre_text;
 use poinsot::Error;
 use poinsot::case::{Case, Design, Limits, Objective, Want, parse_case, read_case};
+use poinsot::posterior::{after_answer, known_sigma};
 use poinsot::predict::{against_duration, predict_case, wanted_sigma};
 use poinsot_dynamics::{Firing, Plan, Tree};
 use poinsot_formats::{
@@ -54,6 +55,10 @@ pub struct DesignRequest {
     pub minutes: Option<f64>,
     /// Number of trial flights of the manoeuvre.
     pub verify: u64,
+    /// Answer of `identify` after which the manoeuvre is flown: `estimate.json` or its folder.
+    pub after: Option<PathBuf>,
+    /// Whether that answer may be unreliable.
+    pub accept_unreliable: bool,
     /// Kind of limit whose front (largest ratio with the limit tighter and looser) is computed.
     pub front: Option<String>,
 }
@@ -61,7 +66,7 @@ pub struct DesignRequest {
 /// Designs the manoeuvre of a case file.
 ///
 /// # Errors
-/// Case or model are invalid, or no manoeuvre within the limits can be computed.
+/// Case or model are invalid, the earlier answer is of another vehicle, or no manoeuvre within the limits can be computed.
 ///
 /// ```
 /// use poinsot_design::{DesignRequest, design};
@@ -121,6 +126,10 @@ pub(crate) struct Asked<'c> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn design_case(case: &Case, model: Model, request: &DesignRequest) -> Result<Designed, Error> {
+    let model = match &request.after {
+        Some(answer) => after_answer(&model, answer, request.accept_unreliable)?,
+        None => model,
+    };
     let asked = Asked::new(case, &model, request.minutes)?;
     let front = request.front.as_deref().map(Asked::group).transpose()?;
     let listening = Listening::begin();
@@ -143,6 +152,8 @@ pub fn design_case(case: &Case, model: Model, request: &DesignRequest) -> Result
     let (x, uses) = asked.held(&question, &space, drawn_inside)?;
     let mut designed = asked.told(&space, (&x, &found), (uses, reference, shorter))?;
     let file = &mut designed.file;
+    let after = request.after.as_ref();
+    file.after = after.map(|answer| answer.display().to_string());
     if asked.design.robust {
         file.robust_log_ratio = Some(found.reached.values.worst());
         file.robust_log_ratio_others = question.over_others(&space, &x);
@@ -500,6 +511,7 @@ impl<'c> Asked<'c> {
                 unit: want.unit.to_owned(),
                 wanted_sigma: want.sigma,
                 sigma: wanted_sigma(&prediction.bound, want),
+                known_sigma: known_sigma(self.model, want),
                 reference_sigma: reference.as_ref().map(|r| r[i]),
             });
         let wants: Vec<DesignedNumberFile> = wants.collect();
@@ -516,6 +528,7 @@ impl<'c> Asked<'c> {
             schema: DESIGN.to_owned(),
             poinsot: env!("CARGO_PKG_VERSION").to_owned(),
             case: self.case.path().display().to_string(),
+            after: None,
             model: self.model.name.clone(),
             verdict: verdict.to_owned(),
             in_words: String::new(),

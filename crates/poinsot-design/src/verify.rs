@@ -8,7 +8,7 @@ use poinsot::Error;
 use poinsot::case::{Case, Want};
 use poinsot::predict::{covariance_name, wanted_sigma};
 use poinsot::trials::{Band, Row, Study};
-use poinsot_formats::{DesignVerificationFile, VerifiedNumberFile, address};
+use poinsot_formats::{Address, DesignVerificationFile, VerifiedNumberFile, address};
 use poinsot_identify::Estimate;
 use poinsot_model::Model;
 use rayon::prelude::*;
@@ -17,6 +17,9 @@ use rayon::prelude::*;
 const FLIGHT_STREAM: u64 = 1 << 33;
 /// Tolerance on a limit, relative: round-off.
 const ROUNDED: f64 = 2.0e-6;
+
+/// Quantities of a body.
+const MASSES: [&str; 3] = ["mass_kg", "com_m", "inertia_kg_m2"];
 
 /// One flight: error over predicted sigma of every wanted number, and whether a limit was exceeded.
 type Outcome = Result<(Vec<f64>, bool), String>;
@@ -73,6 +76,7 @@ pub(crate) fn verify(
 fn flight(case: &Case, question: &Question, k: u64) -> Outcome {
     let model = &question.model;
     let words = |e: Error| e.to_string();
+    let model = &of_trial(model);
     let truth = drawn(model, question.design.seed, FLIGHT_STREAM + k);
     let mut study = Study::of_case(case, &truth, without_priors(model)).map_err(words)?;
     study.diagnose = false;
@@ -93,6 +97,16 @@ fn flight(case: &Case, question: &Question, k: u64) -> Outcome {
     let course = question.course(&truth, &scenario).map_err(words)?;
     let worst = course.worst(&question.watch);
     Ok((ratios?, worst.iter().any(|w| w.1 > ROUNDED)))
+}
+
+/// What is known so far of the bodies alone: trials draw neither known numbers nor errors of sensors from it.
+fn of_trial(model: &Model) -> Model {
+    let mut model = model.clone();
+    if let Some(posterior) = &mut model.knowledge.posterior {
+        let quantity = |at: &str| Address::parse(at).quantity().to_owned();
+        *posterior = posterior.exact_of(|at| MASSES.contains(&quantity(at).as_str()));
+    }
+    model
 }
 
 /// Removes priors: they describe the population of vehicles, not this vehicle.

@@ -17,6 +17,9 @@ pub struct DesignFile {
     pub poinsot: String,
     /// The case.
     pub case: String,
+    /// The answer that the design continues: its numbers are what is known so far.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub after: Option<String>,
     /// Name of the vehicle.
     pub model: String,
     /// "reached", "not_reached", or "stopped": reached, but the search was stopped before any shorter manoeuvre was tried.
@@ -78,8 +81,11 @@ pub struct DesignedNumberFile {
     pub unit: String,
     /// Wanted sigma.
     pub wanted_sigma: f64,
-    /// Predicted sigma; null if the manoeuvre does not determine the number.
+    /// Predicted sigma, of the manoeuvre with what is known so far; null if they do not determine the number.
     pub sigma: Option<f64>,
+    /// Sigma in the answer that the design continues; absent where that does not determine the number.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub known_sigma: Option<f64>,
     /// Predicted sigma of the case's own manoeuvre, if any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference_sigma: Option<f64>,

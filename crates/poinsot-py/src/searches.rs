@@ -12,11 +12,14 @@ use std::path::PathBuf;
 
 /// `poinsot design`.
 #[pyfunction]
-#[pyo3(signature = (case, out=None, minutes=None, verify=0, front=None, progress=None))]
+#[allow(clippy::too_many_arguments)]
+#[pyo3(signature = (case, out=None, after=None, accept_unreliable=false, minutes=None, verify=0, front=None, progress=None))]
 pub fn design(
     py: Python<'_>,
     case: PathBuf,
     out: Option<PathBuf>,
+    after: Option<PathBuf>,
+    accept_unreliable: bool,
     minutes: Option<f64>,
     verify: u64,
     front: Option<String>,
@@ -25,6 +28,8 @@ pub fn design(
     run(py, progress.as_ref(), move || {
         let designed = poinsot_design::design(&DesignRequest {
             case: case.clone(),
+            after,
+            accept_unreliable,
             minutes,
             verify,
             front,

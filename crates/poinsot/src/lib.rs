@@ -120,6 +120,7 @@ mod mixups;
 mod motor_torque;
 pub mod onboard;
 mod output;
+pub mod posterior;
 pub mod predict;
 mod progress;
 mod proposal;

@@ -2,7 +2,7 @@
 
 use crate::channel_names;
 use crate::error::{Error, missing, no_noise, unsupported};
-use crate::mass_numbers::names;
+use crate::mass_numbers::{names, with_answer};
 use nalgebra::{SMatrix, SVector};
 use poinsot_dynamics::{Kinematics, Nozzle, SAME_TIME, SensorKind, Tree, composite, thrust_wrench};
 use poinsot_formats::EstimateFile;
@@ -322,23 +322,6 @@ fn slopes(of: &MassProperties) -> TenByTen {
         slopes.set_column(k, &((up - down) / (2.0 * STEP * units[k])));
     }
     slopes
-}
-
-/// The nominal numbers, with those that an answer determines.
-fn with_answer(body: &Body, answer: Option<&EstimateFile>) -> MassProperties {
-    let mut all = body.nominal.to_array();
-    let found = answer.and_then(|a| a.bodies.get(&body.name));
-    let Some(found) = found else {
-        return body.nominal;
-    };
-    let addresses = names(&body.name);
-    for (address, _, number) in found.addressed(&body.name) {
-        let at = addresses.iter().position(|a| *a == address);
-        if let (Some(at), Some(value)) = (at, number.value) {
-            all[at] = value;
-        }
-    }
-    MassProperties::from_array(&all)
 }
 
 /// Covariance of mass, mass centre and central inertia: the declared prior, replaced by that of an answer where it has one.

@@ -26,6 +26,8 @@ pub fn run(arguments: &Design) -> Outcome {
     }
     let designed = design(&DesignRequest {
         case: arguments.case.clone(),
+        after: arguments.after.clone(),
+        accept_unreliable: arguments.accept_unreliable,
         minutes: arguments.minutes,
         verify: arguments.verify,
         front: arguments.front.clone(),

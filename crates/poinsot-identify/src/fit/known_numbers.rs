@@ -19,7 +19,7 @@ use crate::problem::parameters::{KnownUnknown, Parameters, Unknown, UnknownKind}
 use crate::problem::prior::{Conflict, LEAST_SHARE, PriorTest};
 use nalgebra::{DMatrix, DVector};
 use poinsot_formats::address;
-use poinsot_model::{Model, rounded};
+use poinsot_model::{Model, PosteriorKnown, rounded};
 
 /// Effect of one sigma of a number on all predictions together, in their noise, below which it is left out.
 pub(crate) const SILENT: f64 = 1.0e-3;
@@ -134,6 +134,12 @@ fn behind(at: &Iterate, all: &[Unknown]) -> Iterate {
     }
 }
 
+/// A known number on which an earlier answer depends.
+fn told<'m>(model: &'m Model, name: &str, unit: &str) -> Option<&'m PosteriorKnown> {
+    let mut all = model.knowledge.posterior.iter().flat_map(|p| &p.known);
+    all.find(|k| k.address == address(name, unit))
+}
+
 /// Uncertain known numbers as unknowns.
 fn unknowns(model: &Model) -> Vec<Unknown> {
     let mut all = Vec::new();
@@ -141,12 +147,9 @@ fn unknowns(model: &Model) -> Vec<Unknown> {
         let number = uncertain.number;
         for component in 0..number.components() {
             let name = number.name(model, component);
-            let at = address(&name, number.unit());
-            let mut told = model.knowledge.posterior.iter().flat_map(|p| &p.known);
             let declared = || number.absolute(model, component, uncertain.sigma);
-            let sigma = told
-                .find(|k| k.address == at)
-                .map_or_else(declared, |k| k.sigma);
+            let earlier = told(model, &name, number.unit());
+            let sigma = earlier.map_or_else(declared, |k| k.sigma);
             if sigma.is_nan() || sigma <= 0.0 {
                 continue;
             }
@@ -185,7 +188,7 @@ fn extended(problem: &Problem, parameters: &Parameters, all: &[Unknown]) -> Para
     out
 }
 
-/// The numbers that show in the predictions.
+/// The numbers that show in the predictions or in an earlier answer.
 fn shown(experiment: &Experiment, at: &Iterate, all: Vec<Unknown>) -> Option<Vec<Unknown>> {
     if all.is_empty() {
         return None;
@@ -199,7 +202,8 @@ fn shown(experiment: &Experiment, at: &Iterate, all: Vec<Unknown>) -> Option<Vec
             .flatten()
             .map(|v| v.norm_squared())
             .sum();
-        square.sqrt() * all[k].natural > SILENT
+        let own = told(experiment.problem.model, &all[k].name, all[k].unit);
+        own.is_some() || square.sqrt() * all[k].natural > SILENT
     };
     let keep: Vec<bool> = (0..all.len()).map(shows).collect();
     let pairs = all.into_iter().zip(keep);

@@ -180,12 +180,12 @@ pub fn export_table(
 }
 
 /// Refuses an answer that is not reliable, unless it is accepted.
-fn reliable(estimate: &EstimateFile, path: &Path, accept: bool) -> Result<(), Error> {
+pub(crate) fn reliable(estimate: &EstimateFile, path: &Path, accept: bool) -> Result<(), Error> {
     match (estimate.unreliable().first(), accept) {
         (Some(why), false) => Err(Error::report(
             path,
             format!("its numbers are not reliable: {why}"),
-            "correct the cause, or export them marked with --accept-unreliable",
+            "correct the cause, or accept them with --accept-unreliable",
         )),
         _ => Ok(()),
     }
