@@ -188,7 +188,7 @@ def design(
     accept_unreliable: bool = False,
     minutes: float | None = None,
     verify: int = 0,
-    front: str | None = None,
+    front: Sequence[str] = ...,
     progress: _Progress = None,
 ) -> tuple[str, str, int]: ...
 def study(paper: str, name: str, data: _Path, progress: _Progress = None) -> tuple[str, str, int]: ...

@@ -352,7 +352,7 @@ def design(
     accept_unreliable: bool = False,
     minutes: float | None = None,
     verify: int = 0,
-    front: str | None = None,
+    front: str | Sequence[str] = (),
     progress: Progress = None,
 ) -> Document:
     """Search the manoeuvre that gives the wanted accuracy within the limits of a case.
@@ -373,10 +373,12 @@ def design(
     verify
         Number of simulated flights whose errors are compared with the predicted sigmas.
     front
-        Kind of limit, as ``"duration"``: the accuracy is also given with this limit tighter and looser.
+        Kind of limit, as ``"duration"`` or ``"wheel-speeds=0.5,1,2"``, or two of them: the accuracy is also given with these limits
+        tighter and looser, by these factors.
     progress
         As of :func:`identify`.
     """
+    front = [front] if isinstance(front, str) else list(front)
     return Document(*_core.design(case, out, after, accept_unreliable, minutes, verify, front, _reporter(progress)))
 
 

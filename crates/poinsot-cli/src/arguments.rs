@@ -435,10 +435,10 @@ pub struct Design {
     /// Simulate and identify N trial flights with vehicles drawn from the prior, and compare with the prediction.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub verify: u64,
-    /// Also the largest ratio with one kind of limit tighter and looser: duration, joint-rates, wheel-speeds, body-rate,
-    /// propellant, ...
-    #[arg(long, value_name = "LIMIT")]
-    pub front: Option<String>,
+    /// Also the largest ratio with one or two kinds of limits tighter and looser: duration, joint-rates, wheel-speeds, body-rate,
+    /// propellant, ...; with the factors on the limit: wheel-speeds=0.5,1,2. Repeat it for a second limit.
+    #[arg(long, value_name = "LIMIT[=FACTOR,...]")]
+    pub front: Vec<String>,
     /// How the answer is printed.
     #[command(flatten)]
     pub print: Print,

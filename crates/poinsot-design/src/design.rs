@@ -59,8 +59,9 @@ pub struct DesignRequest {
     pub after: Option<PathBuf>,
     /// Whether that answer may be unreliable.
     pub accept_unreliable: bool,
-    /// Kind of limit whose front (largest ratio with the limit tighter and looser) is computed.
-    pub front: Option<String>,
+    /// One or two kinds of limits whose front (largest ratio with the limits tighter and looser) is computed: `duration`,
+    /// `wheel-speeds=0.5,1,2` with the factors on the limit.
+    pub front: Vec<String>,
 }
 
 /// Designs the manoeuvre of a case file.
@@ -131,7 +132,7 @@ pub fn design_case(case: &Case, model: Model, request: &DesignRequest) -> Result
         None => model,
     };
     let asked = Asked::new(case, &model, request.minutes)?;
-    let front = request.front.as_deref().map(Asked::group).transpose()?;
+    let front = Asked::front_limits(&request.front)?;
     let listening = Listening::begin();
     let mut question = asked.question(&asked.limits)?;
     let window = asked.design.window;
@@ -162,9 +163,9 @@ pub fn design_case(case: &Case, model: Model, request: &DesignRequest) -> Result
     if file.verdict == NOT_REACHED && !crate::interrupt::is_requested() {
         file.relaxed = asked.relaxed(&question, &space, &x, &file.limits);
     }
-    if let Some(group) = front.filter(|_| !crate::interrupt::is_requested()) {
+    if !front.is_empty() && !crate::interrupt::is_requested() {
         let worst = file.worst_ratio.unwrap_or(f64::INFINITY);
-        file.front = asked.front(group, (&question, &space), &x, worst);
+        file.front = asked.front(&front, (&question, &space), &x, worst);
     }
     file.search.evaluations = question.evaluations.load(Ordering::Relaxed);
     drop(listening);

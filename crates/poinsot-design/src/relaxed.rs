@@ -6,12 +6,13 @@ use crate::shape::Space;
 use crate::trial::{Question, Rows};
 use poinsot::Error;
 use poinsot::case::{Limits, Objective};
-use poinsot_formats::{LimitUseFile, RelaxedFile};
+use poinsot_formats::{FrontPointFile, LimitUseFile, RelaxedFile};
+use std::cmp::Ordering;
 
 /// Factor on a relaxed limit.
 const RELAXED: f64 = 1.25;
-/// Factors on the limit of a front, starting next to the case's limit on each side.
-const FRONT: [&[f64]; 2] = [&[0.8, 0.65, 0.5], &[1.25, 1.5, 2.0]];
+/// Factors on the limit of a front, unless others are given.
+const FRONT: [f64; 6] = [0.5, 0.65, 0.8, 1.25, 1.5, 2.0];
 
 impl Asked<'_> {
     /// Largest ratio with each kind of active limit relaxed, and with a longer duration.
@@ -27,15 +28,37 @@ impl Asked<'_> {
             group.starts.is_empty() || uses.iter().any(|u| u.active && own(u))
         };
         let own = (question, space);
-        let of = |group: &Group| Some(self.with(group, RELAXED, own, x)?.0);
+        let of = |group: &Group| {
+            let (worst_ratio, _) = self.with(&[(group, RELAXED)], own, x)?;
+            Some(RelaxedFile {
+                what: group.words.to_owned(),
+                factor: RELAXED,
+                worst_ratio,
+            })
+        };
         GROUPS.iter().filter(is_active).filter_map(of).collect()
     }
 
-    /// The group of limits of a front.
+    /// The limits of a front: `duration`, `wheel-speeds=0.5,1,2`.
     ///
     /// # Errors
-    /// No group has this name.
-    pub fn group(what: &str) -> Result<&'static Group, Error> {
+    /// No group has this name, or a factor is not positive.
+    pub fn front_limits(given: &[String]) -> Result<Vec<FrontLimit>, Error> {
+        let one = |text: &String| {
+            let (name, factors) = match text.split_once('=') {
+                Some((name, values)) => (name, values.split(',').map(positive).collect()),
+                None => (text.as_str(), Some(FRONT.to_vec())),
+            };
+            let problem = "the factors on a limit must be positive numbers";
+            let advice = "give for example wheel-speeds=0.5,1,2";
+            let factors = factors.ok_or_else(|| Error::usage("--front", text, problem, advice))?;
+            let group = Self::group(name)?;
+            Ok(FrontLimit { group, factors })
+        };
+        given.iter().map(one).collect()
+    }
+
+    fn group(what: &str) -> Result<&'static Group, Error> {
         let found = GROUPS.iter().find(|g| g.words.replace(' ', "-") == what);
         found.ok_or_else(|| {
             let known: Vec<String> = GROUPS.iter().map(|g| g.words.replace(' ', "-")).collect();
@@ -48,48 +71,69 @@ impl Asked<'_> {
         })
     }
 
-    /// Largest ratio with one kind of limit tighter and looser than in the case. Each point starts from its neighbour.
+    /// Largest ratio at every combination of the factors on these limits. Each point starts from the nearest one that is done, and
+    /// again from a better one within tighter limits, whose manoeuvre holds the looser ones.
     pub fn front(
         &self,
-        group: &Group,
-        (question, space): (&Question, &Space),
+        limits: &[FrontLimit],
+        own: (&Question, &Space),
         x: &[f64],
         ratio: f64,
-    ) -> Vec<RelaxedFile> {
-        let own = (question, space);
-        let mut all = vec![RelaxedFile {
-            what: group.words.to_owned(),
-            factor: 1.0,
-            worst_ratio: ratio,
-        }];
-        for factors in FRONT {
-            let mut from = x.to_vec();
-            for factor in factors {
-                let Some((point, next)) = self.with(group, *factor, own, &from) else {
-                    break;
-                };
-                all.push(point);
-                from = next;
+    ) -> Vec<FrontPointFile> {
+        let of = |(factors, x, worst_ratio)| Point {
+            factors,
+            x,
+            worst_ratio,
+        };
+        let mut done = vec![of((vec![1.0; limits.len()], x.to_vec(), ratio))];
+        let reach = |factors: Vec<f64>, from: &[f64]| {
+            let relaxed = limits.iter().map(|l| l.group).zip(factors.iter().copied());
+            let (ratio, x) = self.with(&relaxed.collect::<Vec<_>>(), own, from)?;
+            Some(of((factors, x, ratio)))
+        };
+        for factors in combinations(limits) {
+            let away = |p: &&Point| distance(&p.factors, &factors);
+            let nearest = done.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+            let found = nearest.and_then(|from| reach(factors.clone(), &from.x));
+            done.extend(found);
+        }
+        for k in 1..done.len() {
+            let better = done.iter().filter(|p| p.dominates(&done[k]));
+            let best = better.min_by(|a, b| a.worst_ratio.total_cmp(&b.worst_ratio));
+            let again = best.and_then(|from| reach(done[k].factors.clone(), &from.x));
+            if let Some(again) = again.filter(|p| p.worst_ratio < done[k].worst_ratio) {
+                done[k] = again;
             }
         }
-        all.sort_by(|a, b| a.factor.total_cmp(&b.factor));
-        all
+        let names = limits.iter().map(|l| l.group.words.to_owned());
+        let file = |p: &Point| FrontPointFile {
+            factors: names.clone().zip(p.factors.iter().copied()).collect(),
+            worst_ratio: p.worst_ratio,
+            dominated: done.iter().any(|other| other.dominates(p)),
+        };
+        let mut all: Vec<&Point> = done.iter().collect();
+        all.sort_by(|a, b| a.factors.partial_cmp(&b.factors).unwrap_or(Ordering::Equal));
+        all.into_iter().map(file).collect()
     }
 
-    /// Largest ratio with a limit scaled by a factor, and the free numbers in the units of the case's space, as are those
+    /// Largest ratio with limits scaled by factors, and the free numbers in the units of the case's space, as are those
     /// from which it starts; `None` if no manoeuvre holds the limits.
     fn with(
         &self,
-        group: &Group,
-        factor: f64,
+        relaxed: &[(&Group, f64)],
         (own, of_own): (&Question, &Space),
         from: &[f64],
-    ) -> Option<(RelaxedFile, Vec<f64>)> {
+    ) -> Option<(f64, Vec<f64>)> {
         let mut limits = self.limits.clone();
-        (group.relax)(&mut limits, factor);
-        let of_time = if group.starts.is_empty() { factor } else { 1.0 };
+        let mut of_time = 1.0;
+        for (group, factor) in relaxed {
+            (group.relax)(&mut limits, *factor);
+            if group.starts.is_empty() {
+                of_time *= factor;
+            }
+        }
         // What is flown next has its time.
-        if group.starts.is_empty() && self.design.window.until.is_some() {
+        if of_time != 1.0 && self.design.window.until.is_some() {
             return None;
         }
         let times = (of_time * of_own.duration, of_own.rest);
@@ -103,14 +147,61 @@ impl Asked<'_> {
         let from = of_own.converted(from, &space);
         let reached = refine(&question, (&space, Rows::Share(1.0)), &from, budget)?;
         (reached.values.broken() <= BROKEN).then(|| {
-            let point = RelaxedFile {
-                what: group.words.to_owned(),
-                factor,
-                worst_ratio: reached.values.worst().exp(),
-            };
-            (point, space.converted(&reached.x, of_own))
+            let ratio = reached.values.worst().exp();
+            (ratio, space.converted(&reached.x, of_own))
         })
     }
+}
+
+/// A limit of a front with the factors on it.
+pub(crate) struct FrontLimit {
+    group: &'static Group,
+    factors: Vec<f64>,
+}
+
+/// A point of a front.
+struct Point {
+    /// Factor on each limit.
+    factors: Vec<f64>,
+    /// Free numbers, in the units of the case's space.
+    x: Vec<f64>,
+    worst_ratio: f64,
+}
+
+impl Point {
+    /// Whether it is as good within tighter limits.
+    fn dominates(&self, other: &Self) -> bool {
+        let mut pairs = self.factors.iter().zip(&other.factors);
+        let as_tight = pairs.all(|(a, b)| a <= b);
+        as_tight && self.worst_ratio <= other.worst_ratio && self.factors != other.factors
+    }
+}
+
+fn positive(text: &str) -> Option<f64> {
+    let value: f64 = text.trim().parse().ok()?;
+    (value.is_finite() && value > 0.0).then_some(value)
+}
+
+/// Every combination of factors, those next to the case first, without the case itself.
+fn combinations(limits: &[FrontLimit]) -> Vec<Vec<f64>> {
+    let mut all = vec![Vec::new()];
+    for limit in limits {
+        let longer = |begun: &Vec<f64>| {
+            let ends = limit.factors.iter();
+            ends.map(|f| [begun.as_slice(), &[*f]].concat())
+                .collect::<Vec<_>>()
+        };
+        all = all.iter().flat_map(longer).collect();
+    }
+    let of_case = vec![1.0; limits.len()];
+    all.retain(|factors| *factors != of_case);
+    all.sort_by(|a, b| distance(a, &of_case).total_cmp(&distance(b, &of_case)));
+    all
+}
+
+/// Distance in logarithms.
+fn distance(one: &[f64], other: &[f64]) -> f64 {
+    one.iter().zip(other).map(|(a, b)| (a / b).ln().abs()).sum()
 }
 
 /// Allowed violation of a limit in a comparison, because its search stops early.

@@ -6,7 +6,7 @@ use poinsot::predict::{predict_case, wanted_sigma};
 use poinsot::simulate::run;
 use poinsot::write_report;
 use poinsot_design::{DesignRequest, Designed, design_case, drawn, write_design};
-use poinsot_formats::DesignedNumberFile;
+use poinsot_formats::{DesignedNumberFile, FrontPointFile};
 use poinsot_model::{Model, parse_model, read_model};
 use poinsot_testkit::vehicles::ModelText;
 use std::path::{Path, PathBuf};
@@ -143,7 +143,7 @@ fn exact_what_a_design_says_is_what_predict_says_of_the_file_it_writes() {
     assert_eq!(rows.lines().count(), 1 + 161);
     let json: serde_json::Value =
         serde_json::from_slice(&std::fs::read(out.join("design.json")).unwrap()).unwrap();
-    assert_eq!(json["schema"], "poinsot.design/2");
+    assert_eq!(json["schema"], "poinsot.design/3");
     assert_eq!(json["wants"].as_array().unwrap().len(), 6);
     // The page shows the vehicle as it turns: by as much as is predicted, one instant a sample.
     write_report(&out, &[], &[]).unwrap();
@@ -420,11 +420,16 @@ force_N = 4.0
 fn prop_a_front_falls_with_a_looser_limit_and_a_longer_record_tells_more() {
     let (case, model) = boxed("", 1.0e-3);
     let request = DesignRequest {
-        front: Some("wheel-speeds".to_owned()),
+        front: vec!["wheel-speeds".to_owned()],
         ..DesignRequest::default()
     };
     let found = design_case(&case, model.clone(), &request).unwrap();
-    let factors: Vec<f64> = found.file.front.iter().map(|p| p.factor).collect();
+    let factors: Vec<f64> = found
+        .file
+        .front
+        .iter()
+        .map(|p| p.factors["wheel speeds"])
+        .collect();
     assert_eq!(factors, [0.5, 0.65, 0.8, 1.0, 1.25, 1.5, 2.0]);
     assert!(
         found
@@ -444,11 +449,56 @@ fn prop_a_front_falls_with_a_looser_limit_and_a_longer_record_tells_more() {
         assert!(sigma(5, i) > sigma(8, i) && sigma(8, i) > sigma(11, i));
     }
     let request = DesignRequest {
-        front: Some("wheel-colour".to_owned()),
+        front: vec!["wheel-colour".to_owned()],
         ..DesignRequest::default()
     };
     let error = design_case(&case, model, &request).unwrap_err().to_string();
     assert!(error.contains("use one of joint-positions"), "{error}");
+}
+
+#[test]
+fn prop_a_front_over_two_limits_names_the_dominated_points() {
+    let (case, model) = boxed("", 1.0e-3);
+    let front = ["wheel-speeds=0.7,1,1.4", "duration=0.8,1,1.25"].map(str::to_owned);
+    let request = DesignRequest {
+        front: front.to_vec(),
+        ..DesignRequest::default()
+    };
+    let found = design_case(&case, model.clone(), &request).unwrap();
+    let points = &found.file.front;
+    assert_eq!(points.len(), 9);
+    let of = |p: &FrontPointFile| {
+        (
+            p.factors["wheel speeds"],
+            p.factors["duration"],
+            p.worst_ratio,
+        )
+    };
+    let ratio = |speed: f64, time: f64| {
+        let at = points.iter().map(of).find(|p| (p.0, p.1) == (speed, time));
+        at.unwrap().2
+    };
+    // The case is one of them; both limits looser tell much more.
+    assert_eq!(Some(ratio(1.0, 1.0)), found.file.worst_ratio);
+    assert!(ratio(1.4, 1.25) < 0.7 * ratio(0.7, 0.8));
+    for point in points {
+        let (speed, time, ratio) = of(point);
+        let better = points
+            .iter()
+            .map(of)
+            .any(|p| p.0 <= speed && p.1 <= time && p.2 <= ratio && (p.0, p.1) != (speed, time));
+        assert_eq!(point.dominated, better, "{point:?}");
+    }
+    let refused = |front: &str| {
+        let request = DesignRequest {
+            front: vec![front.to_owned()],
+            ..DesignRequest::default()
+        };
+        design_case(&case, model.clone(), &request).unwrap_err()
+    };
+    for wrong in ["duration=", "duration=0", "duration=1,x", "duration=inf"] {
+        assert_eq!(refused(wrong).list[0].code, "E0001", "{wrong}");
+    }
 }
 
 /// The clock ends a search that would go on, with a manoeuvre within all limits.

@@ -2,16 +2,17 @@
 
 use crate::prediction::AgainstDurationFile;
 use crate::read::ResultFile;
+use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Name and version of the format.
-pub const DESIGN: &str = "poinsot.design/2";
+pub const DESIGN: &str = "poinsot.design/3";
 
 /// A designed manoeuvre with its predicted accuracy.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct DesignFile {
-    /// "poinsot.design/2".
+    /// "poinsot.design/3".
     pub schema: String,
     /// Version of the program.
     pub poinsot: String,
@@ -50,9 +51,9 @@ pub struct DesignFile {
     pub limits: Vec<LimitUseFile>,
     /// Effect of relaxed limits, if a wanted sigma is not reached.
     pub relaxed: Vec<RelaxedFile>,
-    /// What one kind of limit, tighter and looser, would give, where it was requested.
+    /// What one or two kinds of limits, tighter and looser, would give, where it was requested.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub front: Vec<RelaxedFile>,
+    pub front: Vec<FrontPointFile>,
     /// Sigmas of what is wanted with the record ended earlier.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub against_duration: Option<AgainstDurationFile>,
@@ -136,6 +137,19 @@ pub struct RelaxedFile {
     pub worst_ratio: f64,
 }
 
+/// One point of a front.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct FrontPointFile {
+    /// Factor on each kind of limit, by its name.
+    #[serde(default)]
+    pub factors: IndexMap<String, f64>,
+    /// Largest ratio of predicted to wanted sigma with these limits.
+    pub worst_ratio: f64,
+    /// Whether another point with limits that are as tight is as good.
+    #[serde(default)]
+    pub dominated: bool,
+}
+
 /// The search for the manoeuvre.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SearchFile {
@@ -177,5 +191,5 @@ pub struct VerifiedNumberFile {
 
 impl ResultFile for DesignFile {
     const SCHEMA: &'static str = DESIGN;
-    const EARLIER: &'static [&'static str] = &["poinsot.design/1"];
+    const EARLIER: &'static [&'static str] = &["poinsot.design/1", "poinsot.design/2"];
 }

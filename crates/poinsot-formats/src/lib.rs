@@ -71,8 +71,8 @@ pub use comparison::{
     COMPARISON, ComparedAnswerFile, ComparedNumberFile, ComparisonFile, DIFFER_BELOW, JointTestFile,
 };
 pub use design::{
-    DESIGN, DesignFile, DesignVerificationFile, DesignedNumberFile, LimitUseFile, RelaxedFile,
-    SearchFile, ShorterFile, VerifiedNumberFile,
+    DESIGN, DesignFile, DesignVerificationFile, DesignedNumberFile, FrontPointFile, LimitUseFile,
+    RelaxedFile, SearchFile, ShorterFile, VerifiedNumberFile,
 };
 pub use diagnostics::{
     ChannelFile, DiagnosticsFile, DriftFile, FindingFile, HeldOutFile, LagFile, LineFile,

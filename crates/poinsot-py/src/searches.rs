@@ -13,7 +13,7 @@ use std::path::PathBuf;
 /// `poinsot design`.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
-#[pyo3(signature = (case, out=None, after=None, accept_unreliable=false, minutes=None, verify=0, front=None, progress=None))]
+#[pyo3(signature = (case, out=None, after=None, accept_unreliable=false, minutes=None, verify=0, front=Vec::new(), progress=None))]
 pub fn design(
     py: Python<'_>,
     case: PathBuf,
@@ -22,7 +22,7 @@ pub fn design(
     accept_unreliable: bool,
     minutes: Option<f64>,
     verify: u64,
-    front: Option<String>,
+    front: Vec<String>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Printed> {
     run(py, progress.as_ref(), move || {

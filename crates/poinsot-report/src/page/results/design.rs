@@ -6,7 +6,7 @@ use crate::design::{ROUNDED, design_document};
 use crate::page::vehicle::{Flown, flying};
 use poinsot_figures::{Axis, Figure, Light, Mark, Opening, Plot, Series, Tone};
 use poinsot_files::significant;
-use poinsot_formats::{DesignFile, RelaxedFile};
+use poinsot_formats::{DesignFile, FrontPointFile};
 use std::path::Path;
 
 pub(super) fn result(design: &DesignFile, folder: &Path, flown: Option<Flown>) -> Shown {
@@ -55,21 +55,38 @@ fn figures(design: &DesignFile, folder: &Path, flown: Option<&Flown>) -> Vec<Fig
     let mut all: Vec<Figure> = flown.into_iter().map(flying).collect();
     all.extend(commands(&folder.join("commands.csv")));
     all.extend(design.against_duration.iter().filter_map(against_duration));
-    if let Some(first) = design.front.first() {
-        let point = |r: &RelaxedFile| (r.factor, r.worst_ratio);
-        let (x, y): (Vec<f64>, Vec<f64>) = design.front.iter().map(point).unzip();
-        let plot = Plot {
-            title: format!("largest sigma against the limit: {}", first.what),
-            x: Axis::new("limit over that of the case", ""),
-            y: Axis::new("sigma over wanted sigma", ""),
-            series: vec![Series::new("designed manoeuvre", Mark::Line, 0, &x, &y)],
-            levels: vec![(1.0, "wanted".to_owned())],
-            height: 210.0,
-            ..Plot::default()
-        };
-        all.push(Figure::plot("front", plot));
-    }
+    all.extend(front(&design.front));
     all
+}
+
+/// The front: one line for every factor on the second limit.
+fn front(points: &[FrontPointFile]) -> Option<Figure> {
+    let mut names = points.first()?.factors.keys();
+    let (first, second) = (names.next()?, names.next());
+    let of_second = |p: &FrontPointFile| second.and_then(|name| p.factors.get(name)).copied();
+    let mut levels: Vec<Option<f64>> = points.iter().map(of_second).collect();
+    levels.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
+    levels.dedup();
+    let line = |(k, level): (usize, &Option<f64>)| {
+        let own = points.iter().filter(|p| of_second(p) == *level);
+        let point = |p: &FrontPointFile| Some((*p.factors.get(first)?, p.worst_ratio));
+        let (x, y): (Vec<f64>, Vec<f64>) = own.filter_map(point).unzip();
+        let name = match (second, level) {
+            (Some(name), Some(factor)) => format!("{name} x {}", significant(*factor, 3)),
+            _ => "designed manoeuvre".to_owned(),
+        };
+        Series::new(&name, Mark::Line, k, &x, &y)
+    };
+    let plot = Plot {
+        title: format!("largest sigma against the limit: {first}"),
+        x: Axis::new("limit over that of the case", ""),
+        y: Axis::new("sigma over wanted sigma", ""),
+        series: levels.iter().enumerate().map(line).collect(),
+        levels: vec![(1.0, "wanted".to_owned())],
+        height: 210.0,
+        ..Plot::default()
+    };
+    Some(Figure::plot("front", plot))
 }
 
 fn within_limits(design: &DesignFile) -> Light {
