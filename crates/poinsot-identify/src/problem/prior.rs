@@ -181,7 +181,7 @@ fn earlier(model: &Model, parameters: &Parameters, x: &[f64], out: &mut PriorRow
 fn deviation_of_body(parameters: &Parameters, at: &str, x: &[f64]) -> Option<Quantity> {
     let named = |(body, name): (usize, &String)| {
         let is = |of: &&str| address(&format!("{name}.{of}"), "") == at;
-        let number = MASS_PROPERTY_NAMES.iter().position(|of| is(&of))?;
+        let number = MASS_PROPERTY_NAMES.iter().position(is)?;
         Some((body, number))
     };
     let names = parameters.body_names.iter().enumerate();
