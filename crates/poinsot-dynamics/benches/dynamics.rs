@@ -19,9 +19,6 @@ use xu_arm::{BATCH, RING, Rows};
 const SECONDS: f64 = 20.0;
 const REPEATS: usize = 40;
 
-/// Linearised steps or measurements in a batch: their results fit the caches.
-const STEPS: usize = 64;
-
 /// Constant joint torques, the same in the peers, N m.
 const TORQUES: [f64; 6] = [1.0, -0.8, 0.6, 0.1, -0.05, 0.02];
 
@@ -133,7 +130,7 @@ fn batches() {
     });
 }
 
-/// One linearised step of pose and momentum: of the arm, and of a satellite with four wheels; alone and in a batch.
+/// One linearised step of pose and momentum: of the arm, and of a satellite with four wheels.
 fn linearised_steps() {
     let single = Tree {
         links: vec![Link::base()],
@@ -177,45 +174,16 @@ fn linearised(name: &str, tree: &Tree, bodies: &[InertialParameters], spin: &[f6
         black_box(done.is_ok());
         black_box(&mut out);
     });
-    let many = |numbers: &[f64]| numbers.repeat(STEPS);
-    let (q, rates, wheel_speed) = (many(&q), many(&rates), many(&wheel_speed));
-    let rows = batch::InputRows {
-        q: &q,
-        rates: &rates,
-        wheel_speed: &wheel_speed,
-    };
-    let parts = [state.p_NoBo_N, state.P, state.h_SScm_N];
-    let parts: Vec<f64> = parts.iter().flat_map(|v| v.iter().copied()).collect();
-    let states = many(&[state.R_NB.coords.as_slice(), &parts].concat());
-    let steps = batch::LinearSteps {
-        states: &states,
-        inputs: [rows; 3],
-        wrench: None,
-        dt: 0.1,
-    };
-    let mut out = vec![0.0; STEPS * batch::linearised_width(tree)];
-    measure_batch(&format!("batch_linearised_step_{name}"), STEPS, || {
-        black_box(batch::linearised_step(tree, bodies, spin, steps, &mut out).is_ok());
-        black_box(&mut out);
-    });
 }
 
-/// Sensors on the last body of the arm, with their slopes over the base and six joints; alone and in a batch.
+/// Sensors on the last body of the arm, with their slopes over the base and six joints.
 fn measurements() {
-    let (tree, rows) = (xu_arm::tree(), Rows::new());
+    let tree = xu_arm::tree();
     let place = Vector3::new(0.3, -0.2, 0.1);
     let body = tree.bodies() - 1;
     let pose = BasePose {
         R_NB: UnitQuaternion::from_euler_angles(0.1, 0.2, 0.3),
         p_NoBo_N: Vector3::new(1.0, 2.0, 3.0),
-    };
-    let parts = [pose.R_NB.coords.as_slice(), pose.p_NoBo_N.as_slice()];
-    let poses = parts.concat().repeat(STEPS);
-    let all = states_of(&rows);
-    let states = batch::States {
-        q: &all.q[..STEPS * tree.dof()],
-        rates: &all.rates[..STEPS * tree.dof()],
-        twist: &all.twist[..STEPS * 6],
     };
     let one = xu_arm::states();
     let mut kinematics = Kinematics::new(&tree);
@@ -244,19 +212,6 @@ fn measurements() {
                 let effect = JointEffect::new(&tree, &kinematics, link, scene.point);
                 black_box(kind.over_joint(&scene, Carried::Point(&effect)));
             }
-        });
-        let sensor = batch::PlacedSensor {
-            kind,
-            body,
-            p_BioS_Bi: place,
-            seen_from: 0,
-            reference_N: None,
-            accelerations: None,
-        };
-        let mut out = vec![0.0; STEPS * batch::measured_width(&tree, kind)];
-        measure_batch(&format!("batch_measure_{}", kind.word()), STEPS, || {
-            black_box(batch::measure(&tree, states, &poses, sensor, &mut out).is_ok());
-            black_box(&mut out);
         });
     }
 }

@@ -146,10 +146,7 @@ fn refused(first: usize, error: BatchError) -> Fault {
     match error {
         BatchError::Singular(k, why) => singular(first + k, &why.to_string()),
         BatchError::Halted(k, why) => singular(first + k, &why.to_string()),
-        BatchError::Step(k, why) => singular(first + k, &why.to_string()),
         BatchError::Length(name, found, _) => Fault::argument(name, found, error.to_string(), ""),
-        BatchError::Unmeasured(kind) => Fault::argument("kind", kind.word(), error.to_string(), ""),
-        BatchError::Body(body, _) => Fault::argument("body", body, error.to_string(), ""),
     }
 }
 

@@ -2,8 +2,6 @@
 
 use crate::forward_dynamics::Singular;
 use crate::motion::integrate::Halt;
-use crate::propagation::StepError;
-use crate::sensor::SensorKind;
 
 /// Why a batch has no result.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -14,16 +12,6 @@ pub enum BatchError {
     /// The motion of this vehicle, or of one beside it, stopped.
     #[error("vehicle {0} or one of the next seven: {1}")]
     Halted(usize, Halt),
-    /// The step of this vehicle, or of one beside it, has no result.
-    #[error("vehicle {0} or one of the next seven: {1}")]
-    Step(usize, StepError),
-    /// The kind has no axes, or what it measures is missing: the reference of a direction, the accelerations of an
-    /// accelerometer.
-    #[error("{}: give a kind with axes, its reference_N for a direction, accelerations for an accelerometer", .0.word())]
-    Unmeasured(SensorKind),
-    /// The tree does not have this body.
-    #[error("body {0}: the tree has {1} bodies, counted from 0")]
-    Body(usize, usize),
     /// An array has another length than the number of states asks for.
     #[error("{0}: {1} numbers, expected {2}; give one row per state")]
     Length(&'static str, usize, usize),

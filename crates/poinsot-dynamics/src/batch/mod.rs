@@ -8,9 +8,7 @@ mod error;
 mod free_motion;
 mod kernels;
 mod motion;
-mod propagation;
 mod rows;
-mod sensors;
 
 use crate::kinematics::Kinematics;
 use crate::lanes::{Lanes, Work, in_lanes};
@@ -23,8 +21,6 @@ use rows::{Groups, PER_BODY, Rows, TWIST};
 
 pub use error::BatchError;
 pub use motion::{Steps, integrate};
-pub use propagation::{InputRows, LinearSteps, linearised_step, linearised_width};
-pub use sensors::{PlacedSensor, measure, measured_width};
 
 /// Joint positions (rad or m), joint rates and base twists (linear part first) of many states.
 #[derive(Debug, Clone, Copy)]

@@ -4,7 +4,6 @@
 #[cfg(feature = "batches")]
 mod batch;
 #[cfg(feature = "batches")]
-mod batch_measurements;
 mod exact_closed_forms;
 mod exact_driven;
 mod exact_gravity_gradient;
