@@ -169,10 +169,12 @@ def information(family, model, rows_of):
 
 
 def bound(family, model, rows_of):
-    """Least sigma of each number, infinite where no sigma below 1,000 natural units is possible."""
+    """Least sigma of each number, infinite where it would be the natural unit or more: how much more, round-off decides."""
     unit = np.concatenate([scales(family), np.full(6, 1.0), np.full(6, 1.0)])
     matrix = information(family, model, rows_of) * np.outer(unit, unit)
     # A prior far wider than any data, so that directions that nothing determines have a finite inverse.
     width = np.concatenate([np.full(len(unit) - 12, 1e5), np.full(12, 10.0)])
-    sigma = np.sqrt(np.diag(np.linalg.inv(matrix + np.diag(width**-2.0))))[:-12] * unit[:-12]
-    return np.where(sigma < 1e3 * unit[:-12], sigma, np.inf)
+    variances = np.diag(np.linalg.inv(matrix + np.diag(width**-2.0)))[:-12]
+    # Round-off makes the variance of what nothing determines negative at times.
+    sigma = np.sqrt(np.where(variances > 0, variances, np.inf)) * unit[:-12]
+    return np.where(sigma < unit[:-12], sigma, np.inf)

@@ -20,8 +20,8 @@ RECORDS = ROOT / "target/benchmark/records"
 TRUTH, SEAL = HERE / "truth.csv", HERE / "truth.sha256"
 # Nominal numbers are drawn about the truth: mass by this share, centre by this length in m, tensor by this share of sqrt(I_ii I_jj).
 PRIOR_MASS, PRIOR_CENTRE_M, PRIOR_INERTIA = 0.10, 0.03, 0.10
-# A number must be answered where the bound allows a 95 % interval of this half-width, and cannot be known where sigma is the unit.
-ANSWER_WITHIN, UNKNOWN_FROM = 0.25, 1.0
+# In natural units, the half-width of a 95 % interval within which a number must be answered; `bound` is infinite from one unit on.
+ANSWER_WITHIN = 0.25
 COLUMNS = ["vehicle", "number", "truth", "nominal", "prior", "scale", "bound", "bound_kind", "state"]
 
 
@@ -77,7 +77,7 @@ def truth_rows(family):
     least, scale = bound.bound(family, model, rows_of), bound.scales(family)
     kind = "rigid" if family.flight.rigid_only else "full"
     for n, x, given, prior, unit, sigma in zip(family.numbers(), family.true_values(), nominal(family), priors(family), scale, least):
-        state = "unknowable" if sigma >= UNKNOWN_FROM * unit else "asked" if 1.96 * sigma <= ANSWER_WITHIN * unit else "weak"
+        state = "unknowable" if np.isinf(sigma) else "asked" if 1.96 * sigma <= ANSWER_WITHIN * unit else "weak"
         yield [family.name, n, *(f"{v:.9g}" for v in (x, given, prior, unit)), f"{sigma:.4g}", kind, state]
 
 

@@ -104,7 +104,7 @@ def table(paths, seeds):
         for lines in entries.values():
             own = [l for l in lines if l.vehicle == vehicle]
             score = scorer.Score(own, facts)
-            cells.append(scorer.cell(score.typical, "{:.3g}") if own and score.answered else "-")
+            cells.append(scorer.cell(score.ratio, "{:.3g}") if own and score.answered else "-")
         yield f"| {vehicle} | " + " | ".join(cells) + " |"
 
 

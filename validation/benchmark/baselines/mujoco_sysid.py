@@ -69,7 +69,8 @@ def estimate(folder):
         "record",
         sysid.create_initial_state(model, pose, np.zeros(model.nv)),
         sysid.TimeSeries.from_control_names(torque[:, 0], torque[:, 1:], model),
-        sysid.TimeSeries.from_names(at, read, model),
+        # What it predicts after a step are the sensors of the state before that step.
+        sysid.TimeSeries.from_names(at + TORQUE_STEP_S, read, model),
     )
 
     def weighted(params, predicted, measured, model, every, state=None):
