@@ -10,7 +10,8 @@ const NINETY_FIVE: f64 = 1.959_964;
 
 const TEXT: &str = "\
 With this page you can compare the answers to the shipped records with the truth of their simulation. Every number is computed \
-from files of the repository, and a test compares the page with the program. The pages below this one have the longer studies.
+from files of the repository, and a test compares the page with the program. The pages below this one have the longer studies; \
+[an open benchmark](validation/benchmark.md) compares methods.
 
 ## Momentum against two engines
 
