@@ -10,8 +10,7 @@ const NINETY_FIVE: f64 = 1.959_964;
 
 const TEXT: &str = "\
 With this page you can compare the answers to the shipped records with the truth of their simulation. Every number is computed \
-from files of the repository, and a test compares the page with the program. The pages below this one have the longer studies; \
-[an open benchmark](validation/benchmark.md) compares methods.
+from files of the repository, and a test compares the page with the program. Longer studies follow, first [a benchmark](validation/benchmark.md).
 
 ## Momentum against two engines
 
