@@ -139,7 +139,7 @@ fn known_numbers(parameters: &Parameters, x: &[f64], out: &mut PriorRows) {
     if places.is_empty() {
         return;
     }
-    let deviations = places.iter().map(|k| parameters.deviation(*k, x));
+    let deviations = places.iter().map(|k| deviation(parameters, *k, x));
     out.whitened(
         parameters.known_covariance(),
         &deviations.collect::<Vec<_>>(),
@@ -163,10 +163,10 @@ fn earlier(model: &Model, parameters: &Parameters, x: &[f64], out: &mut PriorRow
     let (mut places, mut deviations) = (Vec::new(), Vec::new());
     for (at, number) in told.numbers.iter().enumerate() {
         let of_body = deviation_of_body(parameters, number, x);
-        let own = of_body.or_else(|| Some(parameters.deviation(unknown(number)?, x)));
+        let own = of_body.or_else(|| Some(deviation(parameters, unknown(number)?, x)));
         let Some(mut own) = own else { continue };
         for (place, slopes) in &known {
-            own.value -= slopes[at] * parameters.deviation(*place, x).value;
+            own.value -= slopes[at] * deviation(parameters, *place, x).value;
             own.gradient[*place] -= slopes[at];
         }
         places.push(at);
@@ -175,6 +175,13 @@ fn earlier(model: &Model, parameters: &Parameters, x: &[f64], out: &mut PriorRow
     let n = places.len();
     let covariance = DMatrix::from_fn(n, n, |i, j| told.covariance[places[i]][places[j]]);
     out.whitened(covariance, &deviations);
+}
+
+/// An unknown less its nominal value.
+fn deviation(parameters: &Parameters, place: usize, x: &[f64]) -> Quantity {
+    let mut own = Quantity::unknown(place, x);
+    own.value -= parameters.unknowns[place].nominal;
+    own
 }
 
 /// A number of a body, by its address, less its nominal value.

@@ -1,17 +1,9 @@
 //! The known numbers among the unknowns.
 
 use super::{KnownUnknown, Parameters};
-use crate::problem::quantity::Quantity;
 use nalgebra::DMatrix;
 
 impl Parameters {
-    /// An unknown less its nominal value.
-    pub(crate) fn deviation(&self, place: usize, x: &[f64]) -> Quantity {
-        let mut own = Quantity::unknown(place, x);
-        own.value -= self.unknowns[place].nominal;
-        own
-    }
-
     /// Places of the known numbers among the unknowns.
     pub(crate) fn known_places(&self) -> Vec<usize> {
         let unknowns = self.unknowns.iter().enumerate();
