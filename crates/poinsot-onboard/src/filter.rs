@@ -436,7 +436,10 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let age = self.running?.age;
         let mut consistent = true;
         if let Some(gyro) = sample.gyro {
-            self.smooth_speeds(gyro.into(), step)?;
+            // Before, not all of the state is known.
+            if age >= SETTLING {
+                self.smooth_speeds(gyro.into(), step)?;
+            }
             let measurement = self.gyro(gyro.into())?;
             consistent &= self.update(&measurement, age);
         }
