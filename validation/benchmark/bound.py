@@ -7,9 +7,7 @@ error whitens the readings. An estimator that knows more of the joints, such as 
 
 import numpy as np
 
-import vehicles
-from vehicles import families, motion
-
+from flight import body_with, families, motion, values_of
 
 
 def turned_by(q, reference):
@@ -41,9 +39,9 @@ def varied(family, offsets):
     bodies = [tuple(np.broadcast_to(x[0], (count, *x[0].shape)).copy() for x in b) for b in flight.vehicle.bodies]
     at = 0
     for b, groups in family.unknown.items():
-        true = vehicles.values_of(tuple(x[0] for x in bodies[b]), groups)
+        true = values_of(tuple(x[0] for x in bodies[b]), groups)
         for k, row in enumerate(offsets):
-            new = vehicles.body_with(tuple(x[k] for x in bodies[b]), groups, true + row[at : at + len(true)])
+            new = body_with(tuple(x[k] for x in bodies[b]), groups, true + row[at : at + len(true)])
             for old, x in zip(bodies[b], new):
                 old[k] = x
         at += len(true)

@@ -5,9 +5,7 @@ wheel speeds of the engine as inputs; `deviation` is the largest difference betw
 
 import numpy as np
 
-import families
-import motion
-import vehicles
+from flight import Flight, families, first, motion
 
 
 class Sampled:
@@ -116,8 +114,8 @@ def mujoco_arm(family, joints, unknown):
     at = np.arange(0, len(rows), 5) * step_s
     inputs = lambda t: (one.value(t), one.slope(t), np.zeros((1, 0)))
     begin = (attitude[:1], place[:1], np.zeros((1, 6)))
-    single = motion.Vehicle(vehicles.first(bodies), vehicles.first(chain))
-    flight = vehicles.Flight(single, inputs, begin, at, step_s)
+    single = motion.Vehicle(first(bodies), first(chain))
+    flight = Flight(single, inputs, begin, at, step_s)
     attitude, place, rates, velocity = take(family, flight, [x[::5] for x in (attitude, place, rates, velocity)], (2e-5, 5e-5))
     families.gyro(family, at, rates, 2e-5)
     families.tracker(family, at[::2], attitude[:, ::2], 5e-5)
@@ -267,8 +265,8 @@ def basilisk_wheels(family, appendage=None):
     sampled, one = Sampled(step_s, speeds, change, count), Sampled(step_s, speeds, change, 1)
     at = families.grid(300.0, 10.0)
     inputs = lambda t: (np.zeros((1, 0)), np.zeros((1, 0)), one.value(t))
-    single = motion.Vehicle(vehicles.first([copies]), (), vehicles.first(wheels))
-    flight = vehicles.Flight(single, inputs, begin_of(moved), at, step_s)
+    single = motion.Vehicle(first([copies]), (), first(wheels))
+    flight = Flight(single, inputs, begin_of(moved), at, step_s)
     attitude, _, rates, _ = take(family, flight, moved, (2e-5, 5e-5))
     flight.rigid_only = appendage is not None
     families.wheels(family, at, sampled, 0.02)
@@ -286,13 +284,7 @@ def basilisk_thrusters(family):
     """Twelve thrusters, all ten numbers of one body, position and velocity read."""
     draw, step_s = family.draw, 0.1
     body = families.bus(draw, 150.0, 400.0)
-    seats = 0.3 * draw.uniform(-1, 1, 12, 3)
-    directions = np.zeros_like(seats)
-    for j in range(12):
-        axis, sign = j % 3, 1.0 if j < 6 else -1.0
-        directions[:, j, axis] = sign
-        seats[:, j, axis] = -sign * 0.9
-        seats[:, j, (axis + 1) % 3] += 0.5 * (1 if j % 2 else -1)
+    seats, directions = families.thruster_seats(draw)
     pulses = families.Pulses(draw, seats, directions, 4.0, 30, (1.0, 4.0), 300.0, step_s)
     family.bodies([body], {0: "true"})
     families.thruster_texts(family, seats, directions)
@@ -303,7 +295,7 @@ def basilisk_thrusters(family):
     at = families.grid(300.0, 10.0)
     none = np.zeros((1, 0))
     wrench = lambda t: tuple(x[:1] for x in pulses.wrench(t))
-    flight = vehicles.Flight(motion.Vehicle(vehicles.first([body])), lambda t: (none, none, none), begin_of(moved), at, step_s, wrench)
+    flight = Flight(motion.Vehicle(first([body])), lambda t: (none, none, none), begin_of(moved), at, step_s, wrench)
     attitude, place, rates, velocity = take(family, flight, moved, (2e-5, 5e-5))
     families.fired(family, pulses)
     families.gyro(family, at, rates, 2e-5)

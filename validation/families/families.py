@@ -511,10 +511,8 @@ def arm(family, joints, sigma=2e-5, rate_sigma=1e-4, step=0.0, branches=1, carri
     encoders(family, at, curve, sigma, rate_sigma, step)
 
 
-def all_ten(family, gps, velocity=None, drawn=0.0, common=0.0):
-    """Twelve thrusters, all ten numbers of the bus; forces drawn by a share each, or all at once, and declared."""
-    draw = family.draw
-    body = bus(draw)
+def thruster_seats(draw):
+    """Places and directions of twelve thrusters, two along each axis and sign."""
     seats = 0.3 * draw.uniform(-1, 1, 12, 3)
     directions = np.zeros_like(seats)
     for j in range(12):
@@ -522,6 +520,14 @@ def all_ten(family, gps, velocity=None, drawn=0.0, common=0.0):
         directions[:, j, axis] = sign
         seats[:, j, axis] = -sign * 0.9
         seats[:, j, (axis + 1) % 3] += 0.5 * (1 if j % 2 else -1)
+    return seats, directions
+
+
+def all_ten(family, gps, velocity=None, drawn=0.0, common=0.0):
+    """Twelve thrusters, all ten numbers of the bus; forces drawn by a share each, or all at once, and declared."""
+    draw = family.draw
+    body = bus(draw)
+    seats, directions = thruster_seats(draw)
     force = 4.0 * (1 + drawn * draw.normal(12)) * (1 + common * draw.normal(1))
     pulses = Pulses(draw, seats, directions, force, 30, (1.0, 4.0), 300.0, 0.1)
     family.bodies([body], {0: "true"})
