@@ -4,6 +4,15 @@ use crate::knowledge::{KnownNumber, Origin, Uncertain, across};
 use crate::vehicle::{Model, Nuisance, Propellant, SensorKind};
 use poinsot_spatial::{MassProperties, Matrix3, TENSOR, Vector3, tensor_name};
 
+/// A step of a known number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RoundStep {
+    /// In the number's unit.
+    pub size: f64,
+    /// As results write it.
+    pub words: &'static str,
+}
+
 impl KnownNumber {
     /// Name of a component in results.
     pub fn name(self, model: &Model, component: usize) -> String {
@@ -67,6 +76,16 @@ impl KnownNumber {
             }
             _ => sigma,
         }
+    }
+
+    /// A step of a component in round units, and its words in results: one per cent, one millimetre or one milliradian.
+    pub fn round_step(self, model: &Model, component: usize) -> RoundStep {
+        let (size, words) = match self.unit() {
+            "m" => (1.0e-3, "1 mm"),
+            "rad" => (1.0e-3, "1 mrad"),
+            _ => (self.absolute(model, component, 1.0e-2), "1 %"),
+        };
+        RoundStep { size, words }
     }
 
     /// Whether the number is known: neither estimated nor with its own error parameter.

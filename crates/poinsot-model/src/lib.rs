@@ -98,6 +98,7 @@ pub use file::{
 pub use knowledge::{
     Knowledge, KnownNumber, LIKE_WHEELS, NOMINAL_WITHIN, Origin, Uncertain, across,
 };
+pub use known::RoundStep;
 pub use model_text::read_model_text;
 pub use patch::{BodyProperties, Patch, Patched, patch_mjcf, patch_model, patch_sdf, patch_urdf};
 pub use poinsot_files::rounded;

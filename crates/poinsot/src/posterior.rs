@@ -13,9 +13,6 @@ use std::path::Path;
 
 /// Least eigenvalue of a correlation matrix that was read or calculated with round-off.
 const LEAST: f64 = 1.0e-10;
-/// Steps of known numbers in the file: relative, and in m or rad.
-const RELATIVE: (&str, f64) = ("1 %", 1.0e-2);
-const SMALL_STEP: f64 = 1.0e-3;
 
 /// The model after an answer (`estimate.json`, or its folder): the numbers that the answer determines are the nominal ones, and its
 /// covariance replaces their declared priors. An answer that is not reliable is refused unless it is accepted.
@@ -161,10 +158,7 @@ fn known(model: &Model, answer: &EstimateFile, numbers: &[String]) -> Vec<Poster
             let Some(own) = told.iter().find(|s| s.number == at) else {
                 continue;
             };
-            let step = match own.step == RELATIVE.0 {
-                true => number.absolute(model, component, RELATIVE.1),
-                false => SMALL_STEP,
-            };
+            let step = number.round_step(model, component).size;
             let slope = |name: &String| own.change.get(name).map_or(0.0, |c| c / step);
             all.push(PosteriorKnown {
                 address: at,

@@ -3,17 +3,12 @@
 use crate::answer::covariance::Row;
 use crate::diagnosis::Assumed;
 use crate::fit::known_numbers::Effects;
-use crate::problem::parameters::KnownUnknown;
 use crate::solution::estimate::{KnownEffect, KnownNumbers};
 use crate::solution::evidence::Remark;
 use crate::solution::solved::Solution;
 use nalgebra::DVector;
 use poinsot_model::{KnownNumber, Model};
 use std::collections::HashSet;
-
-/// One per cent, one millimetre or one milliradian.
-const SHOWN_STEP: f64 = 1.0e-2;
-const SMALL_STEP: f64 = 1.0e-3;
 
 /// Sigmas without the known numbers, and the effect of each; `rows` are those of the covariance.
 pub(crate) fn known_numbers(model: &Model, solution: &Solution, rows: &[Row]) -> KnownNumbers {
@@ -36,9 +31,9 @@ pub(crate) fn known_numbers(model: &Model, solution: &Solution, rows: &[Row]) ->
         let Some(number) = unknown.kind.known() else {
             continue;
         };
-        let (step, step_words) = step(model, number);
+        let step = number.number.round_step(model, number.component);
         let slope = |of: usize, row: &Row| along(row, &known.shift[of]);
-        let change = |row: &Row| asked(row).then(|| step * slope(k, row));
+        let change = |row: &Row| asked(row).then(|| step.size * slope(k, row));
         // The square of the correlation: what the variance would lose if this number were known exactly. Numbers that the data
         // tie together, as spin inertias of wheels are, have it in common.
         let share = |(row, total): (&Row, &f64)| {
@@ -56,8 +51,8 @@ pub(crate) fn known_numbers(model: &Model, solution: &Solution, rows: &[Row]) ->
             estimated: known
                 .shrunk(*place)
                 .then(|| (solution.x[*place], sigma_of(known, k))),
-            step,
-            step_words,
+            step: step.size,
+            step_words: step.words,
             changes: rows.iter().map(change).collect(),
             shares: rows.iter().zip(&totals).map(share).collect(),
         });
@@ -147,26 +142,4 @@ pub(crate) fn assumptions(model: &Model, solution: &Solution, rows: &[Row]) -> V
 
 fn sigma_of(known: &Effects, k: usize) -> f64 {
     known.covariance[(k, k)].max(0.0).sqrt()
-}
-
-/// A step of a known number in round units.
-fn step(model: &Model, known: &KnownUnknown) -> (f64, &'static str) {
-    match known.number {
-        KnownNumber::Mass(_)
-        | KnownNumber::Inertia(_)
-        | KnownNumber::SpinInertia(_)
-        | KnownNumber::SpecificImpulse(_)
-        | KnownNumber::Force(_) => {
-            let step = known.number.absolute(model, known.component, SHOWN_STEP);
-            (step, "1 %")
-        }
-        KnownNumber::MassCentre(_)
-        | KnownNumber::JointOrigin(_)
-        | KnownNumber::ForcePosition(_)
-        | KnownNumber::PropellantPlace(_) => (SMALL_STEP, "1 mm"),
-        KnownNumber::WheelAxis(_)
-        | KnownNumber::JointAxis(_)
-        | KnownNumber::ForceDirection(_)
-        | KnownNumber::Mounting(_) => (SMALL_STEP, "1 mrad"),
-    }
 }
