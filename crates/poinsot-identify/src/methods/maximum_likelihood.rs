@@ -378,7 +378,10 @@ fn followed(experiment: &Experiment, fitted: &Fitted) -> Option<String> {
     let times = |only: &Segment| beginning(only, share).observations.time_s;
     let words = match segments {
         [only] => match times(only)[..] {
-            [from, .., to] => format!("from {from} to {to} s (--time-s {from},{to})"),
+            [from, .., to] => {
+                let [from, to] = [from, to].map(|t| (t * 1.0e3).round() / 1.0e3);
+                format!("from {from} to {to} s (--time-s {from},{to})")
+            }
             _ => return None,
         },
         _ => format!("over the first {:.0} % of each record", 100.0 * share),
