@@ -8,7 +8,7 @@ use crate::error::{Error, missing};
 use poinsot_dynamics::Tree;
 use poinsot_model::{Axes, Joint, Model, SensorKind};
 use poinsot_spatial::{Matrix3, Vector3};
-use poinsot_telemetry::{Channel, Mounting, Table};
+use poinsot_telemetry::{Channel, ChannelName, Mounting, Table, classify};
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
@@ -137,7 +137,14 @@ impl<'a> Channels<'a> {
                 "correct them, or take the gyro out of the model: an attitude starts a fit too",
             ),
         };
-        Err(self.missing("omega_x omega_y omega_z", purpose, advice))
+        let absent = SensorKind::Gyro.columns().iter().copied();
+        let absent = absent.filter(|c| self.table.sensor_channel("", c).is_none());
+        let absent = absent.collect::<Vec<_>>().join(" ");
+        let name = match absent.is_empty() {
+            true => "omega_x omega_y omega_z",
+            false => &absent,
+        };
+        Err(self.missing(name, purpose, advice))
     }
 
     fn derived_rates(&self) -> Option<BaseRates<'a>> {
@@ -205,10 +212,14 @@ impl<'a> Channels<'a> {
         self.tachometers().enumerate().map(of).collect()
     }
 
-    /// The error of a channel that is not there, with the unused column whose name is most like it.
+    /// The error of a channel that is not there, with the unused column whose name is most like it. The name of another vector
+    /// is its own.
     pub fn missing(&self, channel: &str, purpose: &str, advice: &str) -> Error {
         let similar = |column: &String| strsim::jaro_winkler(&column.to_lowercase(), channel);
-        let mut unused = self.table.ignored.iter().map(|c| (similar(c), c));
+        let is_other = |of: ChannelName| of.vector().is_some() && !channel.contains(&of.name);
+        let own = |column: &String| classify(column).is_some_and(is_other);
+        let unused = self.table.ignored.iter().filter(|column| !own(column));
+        let mut unused = unused.map(|c| (similar(c), c));
         let first = unused.next();
         let nearest = first.map(|first| unused.fold(first, |a, b| if b.0 > a.0 { b } else { a }));
         let purpose = match nearest {
