@@ -107,7 +107,7 @@ pub use posterior::{Posterior, PosteriorKnown};
 pub use read::{check_keys, locate, parse_model, parse_telemetry_map, read_telemetry_map};
 pub use schema::{model_schema, telemetry_map_schema, without_null};
 pub use shape::{Format, MODEL_SCHEMA};
-pub use urdf::{Urdf, UrdfDefect, UrdfOptions, parse_urdf, read_urdf, read_urdf_with};
+pub use urdf::{Urdf, UrdfOptions, parse_urdf, read_urdf, read_urdf_with};
 pub use vehicle::*;
 pub use vehicle_file::{read_model, read_robot};
 pub use write::write_model;

@@ -1,8 +1,8 @@
 //! Checks the mass properties of links and converts them to link axes.
 
+use super::Remark;
 use super::raw::{Inertial, Kind, Link, Robot};
 use super::tree::Order;
-use super::{Remark, UrdfDefect};
 use crate::check_body::{PHYSICAL_TOLERANCE, SMALLEST_MASS};
 use poinsot_files::{excerpt, list, short};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
@@ -72,7 +72,7 @@ fn one(link: &Link, remarks: &mut Vec<Remark>) -> MassProperties {
     let inertial = &link.inertial.as_ref().map(rounded);
     let Some(inertial) = inertial else {
         let problem = "no <inertial>: assumed massless".to_owned();
-        judge.push(UrdfDefect::NoInertial, None, problem, "");
+        judge.push(None, problem, "");
         return MassProperties::ZERO;
     };
     if !judge.has_mass(inertial) {
@@ -90,7 +90,7 @@ fn one(link: &Link, remarks: &mut Vec<Remark>) -> MassProperties {
     };
     if inertial.elements == [0.0; 6] {
         let problem = "the inertia is zero in all elements: a point mass".to_owned();
-        judge.push(UrdfDefect::ZeroInertia, None, problem, "");
+        judge.push(None, problem, "");
         return match inertial.mass {
             0.0 => MassProperties::ZERO,
             _ => found,
@@ -98,7 +98,7 @@ fn one(link: &Link, remarks: &mut Vec<Remark>) -> MassProperties {
     }
     if [xx, yy, zz] == [1.0; 3] && xy == 0.0 {
         let problem = "the inertia is 1 kg m2 about every axis; is it a placeholder?".to_owned();
-        judge.push(UrdfDefect::Placeholder, None, problem, "");
+        judge.push(None, problem, "");
     }
     // Moments do not depend on the axes; the original axes have the least rounding.
     let (moments, _) = MassProperties {
@@ -126,16 +126,10 @@ struct Remarks<'a> {
 }
 
 impl Remarks<'_> {
-    fn push(
-        &mut self,
-        defect: UrdfDefect,
-        code: Option<&'static str>,
-        problem: String,
-        remedy: &str,
-    ) {
+    fn push(&mut self, code: Option<&'static str>, problem: String, remedy: &str) {
         let inertial = self.link.inertial.as_ref();
         let byte = inertial.map_or(self.link.byte, |i| i.byte);
-        let remark = Remark::new(defect, code, byte, problem, remedy);
+        let remark = Remark::new(code, byte, problem, remedy);
         self.remarks.push(remark.on(named(self.link)));
     }
 
@@ -144,7 +138,7 @@ impl Remarks<'_> {
         if inertial.mass < 0.0 {
             let problem = format!("the mass is negative: {} kg", short(inertial.mass));
             let remedy = "give a positive mass";
-            self.push(UrdfDefect::Number, Some("E0115"), problem, remedy);
+            self.push(Some("E0115"), problem, remedy);
             return false;
         }
         if inertial.mass == 0.0 {
@@ -152,7 +146,7 @@ impl Remarks<'_> {
             let code = (!empty).then_some("E0116");
             let remedy = "give it a mass, or zero inertia";
             let problem = "the mass is zero".to_owned();
-            self.push(UrdfDefect::ZeroMass, code, problem, remedy);
+            self.push(code, problem, remedy);
             return empty;
         }
         true
@@ -165,14 +159,14 @@ impl Remarks<'_> {
             return;
         }
         let radius = (largest / mass).sqrt();
-        let (defect, size) = match radius {
-            r if r > GYRATION[1] => (UrdfDefect::LargeGyration, format!("{} m", short(r))),
-            r if r < GYRATION[0] => (UrdfDefect::SmallGyration, format!("{} mm", short(1e3 * r))),
+        let size = match radius {
+            r if r > GYRATION[1] => format!("{} m", short(r)),
+            r if r < GYRATION[0] => format!("{} mm", short(1e3 * r)),
             _ => return,
         };
         let problem =
             format!("the radius of gyration is {size}; are mass in kg and inertia in kg m2?");
-        self.push(defect, None, problem, "");
+        self.push(None, problem, "");
     }
 
     /// A mass in grams.
@@ -183,7 +177,7 @@ impl Remarks<'_> {
                 "a body of {} kg with this inertia is denser than any metal; is the mass in grams?",
                 short(found.mass)
             );
-            self.push(UrdfDefect::Units, None, problem, "");
+            self.push(None, problem, "");
         }
     }
 
@@ -195,18 +189,18 @@ impl Remarks<'_> {
         let listed = list(moments);
         if a < -zero {
             let problem = format!("the smallest principal moment is negative: {listed} kg m2");
-            self.push(UrdfDefect::Indefinite, Some("E0115"), problem, remedy);
+            self.push(Some("E0115"), problem, remedy);
             return;
         }
         if a <= zero {
             let problem = format!("a principal moment is zero: {listed} kg m2");
-            self.push(UrdfDefect::Singular, None, problem, "");
+            self.push(None, problem, "");
         }
         if a + b < c * (1.0 - PHYSICAL_TOLERANCE) {
             let problem = format!(
                 "these principal moments are not physical: {listed} kg m2, the largest exceeds the sum of the other two"
             );
-            self.push(UrdfDefect::Triangle, Some("E0115"), problem, remedy);
+            self.push(Some("E0115"), problem, remedy);
         }
     }
 }
@@ -230,7 +224,7 @@ fn units(robot: &Robot, remarks: &mut Vec<Remark>) {
         let told = [(far > FAR, apart), (turn > TURN, angle)].into_iter();
         let subject = format!("joint \"{}\" <origin>", excerpt(&joint.name, 60));
         for (_, problem) in told.filter(|told| told.0) {
-            let note = Remark::new(UrdfDefect::Units, None, joint.byte, problem, "");
+            let note = Remark::new(None, joint.byte, problem, "");
             remarks.push(note.on(&subject));
         }
     }
@@ -242,7 +236,7 @@ fn named(link: &Link) -> String {
 
 fn massless(byte: usize, problem: &str, remedy: &str) -> Remark {
     let code = Some("E0116");
-    Remark::new(UrdfDefect::MovesMassless, code, byte, problem, remedy)
+    Remark::new(code, byte, problem, remedy)
 }
 
 /// Reports joints that move no mass: momentum does not depend on their rate.

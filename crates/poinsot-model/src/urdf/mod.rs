@@ -17,65 +17,9 @@ use crate::vehicle::Model;
 use poinsot_files::{Fault, Faults, Place, excerpt};
 use std::path::Path;
 
-/// A kind of remark on a URDF file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum UrdfDefect {
-    /// Not well-formed XML, or a DTD.
-    NotXml,
-    /// The root element is not `robot`.
-    NotRobot,
-    /// Unexpanded xacro.
-    Xacro,
-    /// Two links or two joints with equal names, or one without.
-    Names,
-    /// A joint names an unknown link.
-    MissingLink,
-    /// A link with two parents.
-    TwoParents,
-    /// Not exactly one link without parent, or a cycle.
-    Roots,
-    /// A link without `inertial`.
-    NoInertial,
-    /// An unreadable or missing number.
-    Number,
-    /// Zero mass.
-    ZeroMass,
-    /// All inertia elements are zero.
-    ZeroInertia,
-    /// Identity matrix as inertia.
-    Placeholder,
-    /// A negative principal moment.
-    Indefinite,
-    /// A zero principal moment.
-    Singular,
-    /// A principal moment larger than the sum of the others.
-    Triangle,
-    /// Radius of gyration above 5 m.
-    LargeGyration,
-    /// A radius of gyration below 1 mm.
-    SmallGyration,
-    /// A joint moves no mass.
-    MovesMassless,
-    /// A moving joint without axis.
-    NoAxis,
-    /// A zero axis.
-    ZeroAxis,
-    /// An axis that is not of unit length.
-    AxisLength,
-    /// A joint that mimics another.
-    Mimic,
-    /// An unsupported joint type.
-    JointType,
-    /// A number that looks like millimetres, degrees or grams.
-    Units,
-    /// Ignored elements.
-    Ignored,
-}
-
 /// A remark with its position.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Remark {
-    pub defect: UrdfDefect,
     /// Error code; `None` for a note.
     pub code: Option<&'static str>,
     pub byte: usize,
@@ -88,14 +32,12 @@ pub(crate) struct Remark {
 
 impl Remark {
     fn new(
-        defect: UrdfDefect,
         code: Option<&'static str>,
         byte: usize,
         problem: impl Into<String>,
         remedy: &str,
     ) -> Self {
         Self {
-            defect,
             code,
             byte,
             subject: String::new(),
@@ -123,8 +65,8 @@ impl Remark {
 pub struct Urdf {
     /// The vehicle, or the error.
     pub model: Result<Model, Faults>,
-    /// Every kind of remark on the file, without duplicates.
-    pub defects: Vec<UrdfDefect>,
+    /// Every remark on the file: its code or "note", and the words.
+    pub remarks: Vec<String>,
 }
 
 /// Reads a URDF file; never fails, see [`Urdf::model`].
@@ -160,7 +102,7 @@ pub fn read_urdf_with(path: impl AsRef<Path>, options: &UrdfOptions) -> Urdf {
         Ok(text) => parsed(&text, &path.display().to_string(), options),
         Err(error) => Urdf {
             model: Err(error),
-            defects: Vec::new(),
+            remarks: Vec::new(),
         },
     }
 }
@@ -189,12 +131,11 @@ fn parsed(text: &str, file: &str, options: &UrdfOptions) -> Urdf {
         let inertials = inertial::check(&mut robot, &order, massless, &mut remarks);
         build::model(&robot, &order, &inertials, &mut remarks)
     });
-    let mut defects: Vec<UrdfDefect> = remarks.iter().map(|r| r.defect).collect();
-    defects.sort_unstable();
-    defects.dedup();
+    let words = |r: &Remark| format!("{} {}", r.code.unwrap_or("note"), r.problem);
+    let words = remarks.iter().map(words).collect();
     Urdf {
         model: conclude(text, file, remarks, model),
-        defects,
+        remarks: words,
     }
 }
 

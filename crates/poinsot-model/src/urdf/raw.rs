@@ -1,7 +1,7 @@
 //! The raw file: links and joints with their numbers and positions.
 
+use super::Remark;
 use super::limits::excess;
-use super::{Remark, UrdfDefect};
 use crate::check_name::misspelt;
 use crate::shape::LARGEST;
 use poinsot_files::excerpt;
@@ -79,13 +79,7 @@ pub(super) fn read(text: &str, remarks: &mut Vec<Remark>) -> Option<Robot> {
         let name = excerpt(root.tag_name().name(), 60);
         let problem = format!("the root element is <{name}>, not <robot>");
         let (byte, code) = (root.range().start, Some("E0103"));
-        let remark = Remark::new(
-            UrdfDefect::NotRobot,
-            code,
-            byte,
-            problem,
-            "give a URDF file",
-        );
+        let remark = Remark::new(code, byte, problem, "give a URDF file");
         remarks.push(remark);
         return None;
     }
@@ -116,14 +110,14 @@ pub(super) fn read(text: &str, remarks: &mut Vec<Remark>) -> Option<Robot> {
             .map(|(name, n)| format!("{n} <{}>", excerpt(name, 40)))
             .collect();
         let problem = format!("not read: {}", names.join(", "));
-        let remark = Remark::new(UrdfDefect::Ignored, None, root.range().start, problem, "");
+        let remark = Remark::new(None, root.range().start, problem, "");
         remarks.push(remark.on("robot"));
     }
     Some(robot)
 }
 
 fn not_xml(byte: usize, problem: String, remedy: &str) -> Remark {
-    Remark::new(UrdfDefect::NotXml, Some("E0120"), byte, problem, remedy)
+    Remark::new(Some("E0120"), byte, problem, remedy)
 }
 
 fn ill_formed(text: &str, error: &roxmltree::Error) -> Remark {
@@ -190,7 +184,7 @@ fn find_xacro(document: &Document<'_>, remarks: &mut Vec<Remark>) {
         let problem = "this is xacro, which has not been expanded";
         let remedy = "run xacro first: xacro FILE > robot.urdf";
         let (byte, code) = (node.range().start, Some("E0121"));
-        let remark = Remark::new(UrdfDefect::Xacro, code, byte, problem, remedy);
+        let remark = Remark::new(code, byte, problem, remedy);
         remarks.push(remark.on(format!("<{}>", excerpt(node.tag_name().name(), 60))));
     }
 }
@@ -214,7 +208,7 @@ impl Reader<'_> {
         remedy: &str,
     ) {
         let (byte, code) = (node.range().start, Some("E0107"));
-        let remark = Remark::new(UrdfDefect::Number, code, byte, problem, remedy).on(subject);
+        let remark = Remark::new(code, byte, problem, remedy).on(subject);
         self.remarks.push(match value {
             "" => remark,
             value => remark.with_value(value, 60),
@@ -348,7 +342,7 @@ impl Reader<'_> {
             let problem = "this type of joint is not supported";
             let remedy =
                 "write revolute, continuous, prismatic or fixed; a base that floats needs no joint";
-            let remark = Remark::new(UrdfDefect::JointType, Some("E0122"), byte, problem, remedy);
+            let remark = Remark::new(Some("E0122"), byte, problem, remedy);
             let remark = remark.on(format!("{subject} type"));
             self.remarks.push(remark.with_value(word, 40));
         }
@@ -360,7 +354,7 @@ impl Reader<'_> {
                 excerpt(mimic.attribute("offset").unwrap_or("0"), 20),
             );
             let byte = mimic.range().start;
-            let remark = Remark::new(UrdfDefect::Mimic, None, byte, problem, "");
+            let remark = Remark::new(None, byte, problem, "");
             self.remarks.push(remark.on(&subject));
         }
         let mut end = |which: &str| match child(node, which).and_then(|n| n.attribute("link")) {
@@ -395,7 +389,7 @@ impl Reader<'_> {
         let Some(axis) = child(node, "axis") else {
             let problem = "no axis is given: x, the default of URDF";
             let byte = node.range().start;
-            let remark = Remark::new(UrdfDefect::NoAxis, None, byte, problem, "");
+            let remark = Remark::new(None, byte, problem, "");
             self.remarks.push(remark.on(format!("{subject} <axis>")));
             return None;
         };
@@ -403,20 +397,20 @@ impl Reader<'_> {
         let byte = axis.range().start;
         let [x, y, z] = self.numbers(axis, "xyz", subject, Some([1.0, 0.0, 0.0]))?;
         let length = (x * x + y * y + z * z).sqrt();
-        let mut note = |defect, code, problem: String, remedy: &str| {
-            let remark = Remark::new(defect, code, byte, problem, remedy).with_value(text, 60);
+        let mut note = |code, problem: String, remedy: &str| {
+            let remark = Remark::new(code, byte, problem, remedy).with_value(text, 60);
             self.remarks
                 .push(remark.on(format!("{subject} <axis xyz>")));
         };
         if length <= 0.0 || !length.is_finite() {
             let problem = "the axis has no direction".to_owned();
             let remedy = "give its direction in the joint's frame";
-            note(UrdfDefect::ZeroAxis, Some("E0113"), problem, remedy);
+            note(Some("E0113"), problem, remedy);
             return None;
         }
         if (length - 1.0).abs() > 1e-6 {
             let problem = format!("the axis has length {length}; it was made a unit vector");
-            note(UrdfDefect::AxisLength, None, problem, "");
+            note(None, problem, "");
         }
         Some([x / length, y / length, z / length])
     }

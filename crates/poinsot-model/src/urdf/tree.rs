@@ -1,7 +1,7 @@
 //! Checks that the links form one tree, and that link and joint names are unique.
 
+use super::Remark;
 use super::raw::{Joint, Robot};
-use super::{Remark, UrdfDefect};
 use crate::check::MOST_BODIES;
 use crate::check_name::misspelt;
 use poinsot_files::excerpt;
@@ -40,13 +40,13 @@ pub(super) fn check(robot: &Robot, remarks: &mut Vec<Remark>) -> Order {
     Order { links, carried_by }
 }
 
-/// Defect, code and position of a remark.
-type Place = (UrdfDefect, &'static str, usize);
+/// Code and position of a remark.
+type Place = (&'static str, usize);
 
 /// Too many links.
-const WHOLE: Place = (UrdfDefect::Roots, "E0119", 0);
+const WHOLE: Place = ("E0119", 0);
 /// Links that are not connected to one base.
-const NO_TREE: Place = (UrdfDefect::Roots, "E0112", 0);
+const NO_TREE: Place = ("E0112", 0);
 
 /// Number of link names listed in a message.
 const LISTED: usize = 8;
@@ -71,8 +71,8 @@ impl<'a> Tree<'a> {
     }
 
     fn push(&mut self, place: Place, subject: String, problem: String, remedy: &str) {
-        let (defect, code, byte) = place;
-        let remark = Remark::new(defect, Some(code), byte, problem, remedy);
+        let (code, byte) = place;
+        let remark = Remark::new(Some(code), byte, problem, remedy);
         self.remarks.push(remark.on(subject));
     }
 
@@ -100,7 +100,7 @@ impl<'a> Tree<'a> {
                     continue;
                 };
                 let subject = format!("{what} \"{}\"", excerpt(name, NAME));
-                self.push((UrdfDefect::Names, code, byte), subject, problem, remedy);
+                self.push((code, byte), subject, problem, remedy);
             }
         }
     }
@@ -124,7 +124,7 @@ impl<'a> Tree<'a> {
                     excerpt(other, NAME)
                 );
                 let remedy = "remove one of the joints; closed loops are not supported";
-                let place = (UrdfDefect::TwoParents, "E0112", joint.byte);
+                let place = ("E0112", joint.byte);
                 self.push(place, named(joint), problem, remedy);
                 continue;
             }
@@ -141,7 +141,7 @@ impl<'a> Tree<'a> {
         if found.is_none() && !name.is_empty() {
             let subject = format!("{} <{which}>", named(joint));
             let problem = format!("there is no link \"{}\"", excerpt(name, NAME));
-            let place = (UrdfDefect::MissingLink, "E0111", joint.byte);
+            let place = ("E0111", joint.byte);
             self.push(place, subject, problem, "name a link of the file");
         }
         found
