@@ -126,7 +126,7 @@ pub use measurement::{
 };
 pub use momentum::{
     Composite, Twist, body_momentum, composite, composite_and_momentum, momentum, shift_to_body,
-    shift_to_inertial, twist_from_momentum, wheel_momentum,
+    twist_from_momentum, wheel_momentum,
 };
 #[cfg(feature = "std")]
 pub use motion::*;

@@ -232,29 +232,6 @@ impl Composite {
     }
 }
 
-impl Composite {
-    /// `H^-1` in closed form: `w = J (h - c x l)`, `v = l / m + c x w` with `J` the inverse of the central inertia.
-    ///
-    /// `None` where mass or central inertia are not positive.
-    #[inline]
-    pub fn inverse_locked_inertia(&self) -> Option<Matrix6> {
-        if self.mass.is_nan() || self.mass <= 0.0 {
-            return None;
-        }
-        let J = self.I_SScm_B().cholesky()?.inverse();
-        let c = skew(&self.p_BoScm_B());
-        let cJ = c * J;
-        let mut inverse = Matrix6::zeros();
-        inverse
-            .fixed_view_mut::<3, 3>(0, 0)
-            .copy_from(&(Matrix3::identity() / self.mass - cJ * c));
-        inverse.fixed_view_mut::<3, 3>(0, 3).copy_from(&cJ);
-        inverse.fixed_view_mut::<3, 3>(3, 0).copy_from(&-(J * c));
-        inverse.fixed_view_mut::<3, 3>(3, 3).copy_from(&J);
-        Some(inverse)
-    }
-}
-
 /// The base twist that gives momentum `l`, `h` (about `Bo`, in B) after subtraction of the part of joint rates and
 /// wheels, `l_joints`, `h_joints`: `V = H^-1 (momentum - c)`.
 ///
@@ -288,44 +265,16 @@ pub fn twist_from_momentum(
     Some(Twist { v, w })
 }
 
-/// Momentum about the inertial origin in N from momentum about `Bo` in B: `P = R l`,
-/// `H_N = R h + p x P`.
+/// Momentum about `Bo` in B from momentum about the inertial origin in N: of `P = R l`, `H_N = R h + p x P`.
 ///
 /// ```
-/// use poinsot_dynamics::shift_to_inertial;
+/// use poinsot_dynamics::shift_to_body;
 /// use poinsot_spatial::{UnitQuaternion, Vector3};
 ///
-/// // 2 N s along x at y = 1 m: the moment about the origin of N is -2 N m s about z.
-/// let (P, H) = shift_to_inertial(
-///     &UnitQuaternion::identity(),
-///     &Vector3::y(),
-///     &(Vector3::x() * 2.0),
-///     &Vector3::zeros(),
-/// );
-/// assert_eq!((P, H), (Vector3::x() * 2.0, Vector3::z() * -2.0));
-/// ```
-#[inline]
-pub fn shift_to_inertial(
-    R_NB: &UnitQuaternion,
-    p_NoBo_N: &Vector3,
-    l: &Vector3,
-    h: &Vector3,
-) -> (Vector3, Vector3) {
-    let P = R_NB * l;
-    (P, R_NB * h + p_NoBo_N.cross(&P))
-}
-
-/// The inverse of [`shift_to_inertial`].
-///
-/// ```
-/// use poinsot_dynamics::{shift_to_body, shift_to_inertial};
-/// use poinsot_spatial::{UnitQuaternion, Vector3};
-///
-/// let (R_NB, p) = (UnitQuaternion::from_euler_angles(0.1, 0.2, 0.3), Vector3::new(1.0, 2.0, 3.0));
-/// let (l, h) = (Vector3::x(), Vector3::y());
-/// let (P, H) = shift_to_inertial(&R_NB, &p, &l, &h);
-/// let (l_back, h_back) = shift_to_body(&R_NB, &p, &P, &H);
-/// assert!((l_back - l).norm() < 1.0e-14 && (h_back - h).norm() < 1.0e-14);
+/// // 2 N s along x at y = 1 m: the moment about the origin of N is -2 N m s about z, and that about `Bo` zero.
+/// let (P, H) = (Vector3::x() * 2.0, Vector3::z() * -2.0);
+/// let (l, h) = shift_to_body(&UnitQuaternion::identity(), &Vector3::y(), &P, &H);
+/// assert_eq!((l, h), (P, Vector3::zeros()));
 /// ```
 #[inline]
 pub fn shift_to_body(

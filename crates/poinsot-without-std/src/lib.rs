@@ -83,12 +83,7 @@ pub fn values(states: u32) -> Vec<f64> {
         momentum_regressor(&kinematics, &mut regressor);
         out.extend(regressor.iter().flatten());
         let whole = composite(&parameters, &kinematics);
-        out.extend(
-            whole
-                .inverse_locked_inertia()
-                .iter()
-                .flat_map(|inverse| inverse.iter()),
-        );
+        out.extend(whole.I_SScm_B().iter());
         matrix.set(&tree, &parameters, &kinematics);
         out.extend(matrix.coupling_times(&rates).iter());
         let mut found = [0.0; 3];

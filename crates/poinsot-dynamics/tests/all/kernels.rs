@@ -191,27 +191,18 @@ fn exact_twist_from_momentum_is_the_inverse() {
         let amplify = (h.I_SBo_B.norm() / moments.min()).max(1.0);
         let speed = 1.0 + s.v_NBo_B.norm() + s.w_NB_B.norm();
         let tolerance = TOLERANCE * amplify * speed;
-        let inverse = h.inverse_locked_inertia().unwrap() * (whole - joints);
-        assert!(
-            (inverse.fixed_rows::<3>(3) - s.w_NB_B).norm() < tolerance,
-            "tree {i}"
-        );
-        assert!(
-            (inverse.fixed_rows::<3>(0) - s.v_NBo_B).norm() < 10.0 * tolerance,
-            "tree {i}"
-        );
         assert!((twist.w - s.w_NB_B).norm() < tolerance, "tree {i}");
         assert!((twist.v - s.v_NBo_B).norm() < 10.0 * tolerance, "tree {i}");
     }
 }
 
 #[test]
-fn unit_shift_to_inertial_and_back() {
+fn unit_shift_to_body() {
     let R = UnitQuaternion::from_euler_angles(0.3, -1.1, 2.0);
     let p = Vector3::new(3.0, -7.0, 0.5);
     let (l, h) = (Vector3::new(1.0, 2.0, -3.0), Vector3::new(0.4, 0.1, 9.0));
-    let (P, H) = shift_to_inertial(&R, &p, &l, &h);
-    assert!((H - (R * h + p.cross(&(R * l)))).norm() < 1e-14);
+    let P = R * l;
+    let H = R * h + p.cross(&P);
     let (l2, h2) = shift_to_body(&R, &p, &P, &H);
     assert!((l - l2).norm() + (h - h2).norm() < 1e-13);
 }
