@@ -58,6 +58,9 @@ pub(crate) struct Experiment<'a> {
     pub known: Option<Arc<KnownColumns>>,
     /// Whether a fit only leads near an answer.
     pub only_near: bool,
+    /// How many times as large as declared a mean square of white noise in the readings is taken to be where a search judges
+    /// whether a start is far; 1 as declared.
+    pub scatter: f64,
     /// Whether evaluations keep every whitened row instead of a triangle.
     pub keep_rows: bool,
     /// Whether evaluations smooth the inputs.
@@ -107,6 +110,7 @@ impl<'a> Experiment<'a> {
             fineness: Fineness::default(),
             known: None,
             only_near: false,
+            scatter: 1.0,
             keep_rows: false,
             smooth_inputs: false,
             weight: 1.0,

@@ -6,11 +6,9 @@
 //! properties: only pose and momentum follow whole.
 
 use crate::fit::experiment::{Experiment, Iterate};
-use crate::fit::step::{
-    BoundaryBodies, Linearisation, close, held, linearised, moved, physical_bodies,
-};
+use crate::fit::step::{BoundaryBodies, Linearisation, held, linearised, moved, physical_bodies};
 use crate::fit::triangle::SharedTriangle;
-use crate::likelihood::Evaluated;
+use crate::likelihood::{ChannelResidual, Evaluated};
 use crate::problem::ProblemError;
 use crate::problem::refusal::no_motion;
 use poinsot_solve::{End, LeastSquares, Linearised, Minimum, Spectrum, levenberg_marquardt};
@@ -93,6 +91,8 @@ pub(crate) struct Fitted {
     pub converged: bool,
     /// No step lowers chi-square much: it can contradict the model.
     pub settled: bool,
+    /// Chi-square of the readings is of the size of its expectation.
+    pub explains: bool,
     /// How far along the record the minimum was followed.
     pub search: Search,
     pub held: Option<BoundaryBodies>,
@@ -121,7 +121,9 @@ fn fitted(
     } else {
         None
     };
+    let chi2 = (linearisation.evaluated.iter()).map(|e| e.chi2).sum();
     Ok(Fitted {
+        explains: experiment.expects(chi2, &linearisation.evaluated),
         held: held(experiment, &at, &linearisation),
         at,
         evaluated: linearisation.evaluated,
@@ -153,9 +155,16 @@ impl Fitted {
         !lost && (self.converged || self.settled)
     }
 
-    /// Whether chi-square is of the size of its expectation.
-    pub fn explains(&self) -> bool {
-        close(self.chi2(), &self.evaluated)
+    /// Mean square of the noise in the residuals by their successive differences (von Neumann 1941), which no slow misfit enters.
+    pub fn scatter(&self) -> f64 {
+        let channels = self.evaluated.iter().flat_map(|e| &e.channels);
+        let of = |(square, count): (f64, usize), c: &ChannelResidual| {
+            let steps = c.white.windows(2).map(|w| (w[1] - w[0]).norm_squared());
+            let steps: f64 = steps.sum();
+            (square + 0.5 * steps, count + c.numbers * c.white.len())
+        };
+        let (square, count) = channels.fold((0.0, 0), of);
+        square / count.max(1) as f64
     }
 
     /// How many numbers were compared.

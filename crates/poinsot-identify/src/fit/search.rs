@@ -14,7 +14,7 @@ use crate::fit::coordinates::PhysicalBodies;
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::momentum_state::{Fitted, Search, fit_from, fit_on, is_settled};
 use crate::fit::part_of_record::{FEW, beginning, thinned};
-use crate::fit::step::{ITERATIONS, is_close, moved, physical_bodies};
+use crate::fit::step::{ITERATIONS, moved, physical_bodies};
 use crate::problem::refusal::no_motion;
 use crate::problem::segment::Segment;
 use crate::problem::settings::Coordinates;
@@ -24,6 +24,8 @@ use poinsot_solve::{LeastSquares, levenberg_marquardt};
 
 /// Smallest reduction of the grid for a coarse fit.
 const WORTH: usize = 4;
+/// Times the declared mean square from which noise beyond what is declared is allowed for: less hides no fit.
+const NOISY: f64 = 4.0;
 /// Iterations for one beginning: a near start needs five.
 const ARC_ITERATIONS: usize = 12;
 /// Share of the record by which the first beginning is shortened until a start explains it.
@@ -59,7 +61,7 @@ pub(crate) fn fit(
             if let Some(found) = back.filter(|f| f.converged) {
                 return Ok(found);
             }
-        } else if !found.explains() {
+        } else if !found.explains {
             // The limit is not the reason for the missing convergence.
             return Ok(found);
         }
@@ -102,14 +104,17 @@ fn brought_back(
 /// Fits from the better of some starts; `None` where the vehicle moves from none of them.
 pub(super) fn search(experiment: &Experiment, starts: &[Iterate]) -> Option<Fitted> {
     let direct = from_better(experiment, starts);
-    if direct.as_ref().is_some_and(|d| d.converged && d.explains()) {
+    if direct.as_ref().is_some_and(|d| d.converged && d.explains) {
         return direct;
     }
     let path = follow(experiment, starts);
     let onward = match (path.end, path.at) {
         (Search::Lost(share), at) => {
             let found = direct.or_else(|| fit_from(experiment, at?, 0))?;
-            if found.explains() {
+            if found.explains {
+                return Some(found);
+            }
+            if let Some(found) = as_noisy(experiment, &found, starts) {
                 return Some(found);
             }
             // What no motion over a few samples explains is no matter of the start.
@@ -142,19 +147,33 @@ pub(super) fn search(experiment: &Experiment, starts: &[Iterate]) -> Option<Fitt
     })
 }
 
+/// A fit from these starts with the noise that the residual of a failed one shows, where that explains it. Where much of it is
+/// noise beyond what is declared, a search takes every start for one that is too far.
+fn as_noisy(experiment: &Experiment, failed: &Fitted, starts: &[Iterate]) -> Option<Fitted> {
+    let mut noisy = experiment.with_parameters(experiment.parameters);
+    noisy.scatter = failed.scatter();
+    let explained = noisy.expects(failed.chi2(), &failed.evaluated);
+    let more = explained && noisy.scatter > NOISY * experiment.scatter;
+    let found = more.then(|| search(&noisy, starts))??;
+    (found.converged && found.explains).then_some(found)
+}
+
 /// The fit of the whole record from the better start: over a few samples where there are many and these lead close. A
 /// start can change the directions that are identified as the fit goes on; where it does not converge, the other is tried.
 fn from_better(experiment: &Experiment, starts: &[Iterate]) -> Option<Fitted> {
     let close = few_samples(experiment.problem.segments)
         .and_then(|few| coarse_fit(experiment, starts, &few))
-        .and_then(|at| Some((experiment.linearise(&at).filter(is_close)?, at)));
+        .and_then(|at| {
+            let here = experiment.linearise(&at)?;
+            experiment.is_close(&here).then_some((here, at))
+        });
     let mut best = close.and_then(|(here, at)| fit_on(experiment, at, here, ITERATIONS));
     if best.as_ref().is_some_and(|b| b.converged) {
         return best;
     }
     let whole = |at: &Iterate| {
         let found = fit_from(experiment, at.clone(), ARC_ITERATIONS)?;
-        match found.converged || !found.explains() {
+        match found.converged || !found.explains {
             true => Some(found),
             false => fit_from(experiment, found.at, ITERATIONS),
         }
@@ -163,7 +182,7 @@ fn from_better(experiment: &Experiment, starts: &[Iterate]) -> Option<Fitted> {
         if found.converged {
             return Some(found);
         }
-        let stays = |b: &Fitted| b.explains() || !found.explains();
+        let stays = |b: &Fitted| b.explains || !found.explains;
         best = best.filter(stays).or(Some(found));
     }
     best
@@ -177,7 +196,7 @@ fn coarse_fit(experiment: &Experiment, starts: &[Iterate], few: &[Segment]) -> O
     let here = few.linearise(start)?;
     let end = levenberg_marquardt(&few, start.clone(), here, ITERATIONS);
     // Few samples also tell less of what drives the vehicle: all of them decide where these are not met.
-    let close = is_close(&end.here) || experiment.is_close(&end.at);
+    let close = few.is_close(&end.here) || experiment.meets(&end.at);
     close.then_some(end.at)
 }
 
@@ -312,7 +331,7 @@ fn fit_beginning(experiment: &Experiment, start: &Iterate, share: f64) -> Option
         let here = part.linearise(start)?;
         let end = levenberg_marquardt(&part, start.clone(), here, ARC_ITERATIONS);
         Some(Beginning {
-            explains: is_close(&end.here),
+            explains: part.is_close(&end.here),
             settled: is_settled(&end),
             at: end.at,
         })

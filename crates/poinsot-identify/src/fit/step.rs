@@ -120,7 +120,7 @@ impl LeastSquares for Experiment<'_> {
 
     fn should_continue(&self, here: &Linearised<Linearisation>, pace: Pace) -> bool {
         let gain = f64::min(here.predicted_reduction, pace.fell);
-        let too_slow = !is_close(here) && gain < TOO_SLOW * here.cost;
+        let too_slow = !self.is_close(here) && gain < TOO_SLOW * here.cost;
         !too_slow || pace.left < CONVERGED_BELOW
     }
 
@@ -171,14 +171,21 @@ impl Experiment<'_> {
         linearised(self, &step.to, there).ok()
     }
 
-    /// Whether chi-square is of the size of its expectation, without derivatives.
-    pub fn is_close(&self, at: &Iterate) -> bool {
+    /// Whether a cost is of the size of its expectation.
+    pub fn expects(&self, cost: f64, evaluated: &[Evaluated]) -> bool {
+        let rows: usize = evaluated.iter().map(|e| e.rows).sum();
+        cost < CLOSE_BELOW * self.scatter * rows as f64
+    }
+
+    /// The same at an iterate.
+    pub fn is_close(&self, here: &Linearised<Linearisation>) -> bool {
+        self.expects(here.cost, &here.rows.evaluated)
+    }
+
+    /// The same without derivatives.
+    pub fn meets(&self, at: &Iterate) -> bool {
         let evaluated = self.evaluate(at, false);
-        let is = |evaluated: Vec<Evaluated>| {
-            let cost = self.chi2(at, &evaluated);
-            cost.is_some_and(|cost| close(cost, &evaluated))
-        };
-        evaluated.is_some_and(is)
+        evaluated.is_some_and(|e| self.chi2(at, &e).is_some_and(|cost| self.expects(cost, &e)))
     }
 
     fn covariance_moves(&self) -> f64 {
@@ -393,15 +400,4 @@ pub(crate) fn physical_bodies(
         Coordinates::Linear => None,
         Coordinates::Physical => PhysicalBodies::new(experiment.parameters, mass_unknowns),
     }
-}
-
-/// Whether chi-square at an iterate is of the size of its expectation.
-pub(crate) fn is_close(here: &Linearised<Linearisation>) -> bool {
-    close(here.cost, &here.rows.evaluated)
-}
-
-/// The same of a cost.
-pub(crate) fn close(cost: f64, evaluated: &[Evaluated]) -> bool {
-    let rows: usize = evaluated.iter().map(|e| e.rows).sum();
-    cost < CLOSE_BELOW * rows as f64
 }
