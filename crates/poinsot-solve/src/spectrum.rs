@@ -5,6 +5,8 @@ use std::ops::Range;
 
 /// Largest fraction of a gradient along undetermined directions for a determined number.
 const TOUCH: f64 = 1.0e-4;
+/// Sigma of a direction, natural units, up to which its share in a number is taken for what the data say of it.
+const WEAK: f64 = 100.0;
 /// Largest fraction of measurement noise in a direction's squared length for an identified direction.
 const NOISE_SHARE: f64 = 0.5;
 
@@ -38,6 +40,9 @@ pub struct Spectrum {
     pub rank: usize,
     /// Number of those among them, the first ones, that are as accurate as asked.
     pub accurate: usize,
+    /// Number of leading directions with a sigma. Those beyond `rank` keep their nominal values, but a number with little of them is
+    /// as accurate as they let it be.
+    pub told: usize,
     /// Number of directions above round-off.
     pub structural_rank: usize,
     /// Bias of linear least squares from noise in the regressor, per unknown in natural units.
@@ -104,6 +109,9 @@ impl Spectrum {
         };
         let (mut order, open): (Vec<usize>, Vec<usize>) = (0..n).partition(identified);
         let rank = order.len();
+        let is_weak =
+            |k: &&usize| **k < structural_rank && noise[**k] == 0.0 && WEAK * singular[**k] > 1.0;
+        let told = rank + open.iter().take_while(is_weak).count();
         order.extend(open);
         Ok(Self {
             natural: natural.to_vec(),
@@ -113,6 +121,7 @@ impl Spectrum {
             left: Mat::from_fn(n, n, |i, j| left[(i, order[j])]),
             rank,
             accurate: rank,
+            told,
             structural_rank,
             bias: vec![0.0; n],
             accuracy: f64::INFINITY,
@@ -199,6 +208,7 @@ impl Spectrum {
             noise: Vec::new(),
             rank: 0,
             accurate: 0,
+            told: 0,
             structural_rank: 0,
             bias: Vec::new(),
             accuracy: f64::INFINITY,
@@ -343,13 +353,22 @@ impl Spectrum {
         )
     }
 
-    /// Covariance of the unknowns from the identified directions, in their units. It includes the bias from noise in the regressor, as
+    /// Whether a number with this gradient is as accurate as asked, all sigmas widened by a factor, relative to its natural size: the
+    /// largest change that one natural unit of any unknown makes.
+    pub fn is_accurate(&self, gradient: &[f64], factor: f64) -> bool {
+        let g = self.natural_gradient(gradient);
+        let size = g.iter().fold(0.0_f64, |most, g| most.max(g.abs()));
+        let allowed = self.experiment();
+        size == 0.0 || factor * allowed.variance(&g).sqrt() < allowed.accuracy * size
+    }
+
+    /// Covariance of the unknowns from the directions with a sigma, in their units. It includes the bias from noise in the regressor, as
     /// [`Self::sigma`] does.
     pub fn covariance(&self) -> Mat<f64> {
         let n = self.natural.len();
         let bias = |i: usize| self.bias.get(i).copied().unwrap_or(0.0);
         Mat::from_fn(n, n, |i, j| {
-            let sum: f64 = (0..self.rank)
+            let sum: f64 = (0..self.told)
                 .map(|k| {
                     self.directions[(i, k)] * self.directions[(j, k)] / self.singular[k].powi(2)
                 })
@@ -373,10 +392,23 @@ impl Spectrum {
         Mat::from_fn(self.natural.len(), range.len(), at)
     }
 
-    /// Variance along the identified directions of a number with this gradient in natural units.
+    /// Variance along the directions with a sigma of a number with this gradient in natural units.
     pub fn variance(&self, g: &[f64]) -> f64 {
         let along = |k: usize| (self.along(g, k) / self.singular[k]).powi(2);
-        (0..self.rank).map(along).sum()
+        (0..self.told).map(along).sum()
+    }
+
+    /// Change of a number with this gradient by the part of a step along the directions that have a sigma and keep their nominal
+    /// values; both in the units of the unknowns.
+    pub fn weak_change(&self, gradient: &[f64], step: &[f64]) -> f64 {
+        let g = self.natural_gradient(gradient);
+        let z: Vec<f64> = step
+            .iter()
+            .zip(&self.natural)
+            .map(|(s, unit)| s / unit)
+            .collect();
+        let part = |k: usize| self.along(&g, k) * self.along(&z, k);
+        (self.rank..self.told).map(part).sum()
     }
 
     fn natural_gradient(&self, gradient: &[f64]) -> Vec<f64> {
@@ -401,7 +433,7 @@ impl Spectrum {
     }
 
     fn touch(&self, g: &[f64]) -> f64 {
-        (self.rank..self.natural.len())
+        (self.told..self.natural.len())
             .map(|k| self.along(g, k).powi(2))
             .sum::<f64>()
             .sqrt()

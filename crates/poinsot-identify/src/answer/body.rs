@@ -81,7 +81,9 @@ impl<'a> QuantityEstimator<'a> {
         if self.rejected || !quantity.value.is_finite() {
             return Number::undetermined(nominal);
         }
-        match self.spectrum.sigma_within(used, self.inflation) {
+        let accurate = self.spectrum.is_accurate(used, self.inflation);
+        let sigma = self.spectrum.sigma_within(used, self.inflation);
+        match sigma.filter(|_| accurate) {
             Some(sigma) if self.unobservable_set.holds(quantity, sigma, at) => {
                 let sigma = sigma.hypot(own.sqrt()) * self.inflation;
                 let mut number = Number::data(quantity.value, sigma, nominal);

@@ -46,17 +46,18 @@ pub(crate) fn nuisances(estimator: &QuantityEstimator, solution: &Solution) -> V
         .enumerate()
         .filter(|(_, unknown)| unknown.kind.is_reported())
         .map(|(at, unknown)| {
-            let sigma = if unknown.kind.is_nuisance() {
-                let k = at - mass;
-                estimator
-                    .sigma_with(&biases.slope[k], biases.covariance[(k, k)])
-                    .filter(|s| s.is_finite())
-            } else {
-                let own = Quantity::unknown(at, &solution.x);
-                estimator.sigma_with(&own.gradient, 0.0)
+            let nuisance = unknown.kind.is_nuisance().then(|| at - mass);
+            let (own, variance) = match nuisance {
+                Some(k) => (biases.slope[k].clone(), biases.covariance[(k, k)]),
+                None => (Quantity::unknown(at, &solution.x).gradient, 0.0),
             };
-            let stays = |s: &f64| solution.unobservable_set.keeps(at, solution.x[at], *s);
-            let sigma = sigma.filter(stays);
+            let sigma = estimator.sigma_with(&own, variance);
+            let here = Quantity {
+                value: solution.x[at],
+                gradient: own,
+            };
+            let set = &solution.unobservable_set;
+            let sigma = sigma.filter(|s| s.is_finite() && set.keeps(&here, *s, |x| x[at]));
             NamedNumber {
                 name: unknown.name.clone(),
                 unit: unknown.unit,

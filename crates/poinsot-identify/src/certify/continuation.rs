@@ -46,7 +46,8 @@ pub(crate) fn unobservable_set(
     }
     let directions = directions(experiment.problem, solution);
     if !experiment.parameters.has_known() {
-        return values_along_path(experiment, at, &directions, spectrum.rank).unwrap_or_default();
+        let set = values_along_path(experiment, at, &directions, spectrum.rank);
+        return set.unwrap_or_default().of(&solution.x, spectrum);
     }
     // The vehicle with the fitted values of its known numbers.
     let of_known = || {
@@ -72,7 +73,7 @@ pub(crate) fn unobservable_set(
         }
         Some(set)
     };
-    of_known().unwrap_or_default()
+    of_known().unwrap_or_default().of(&solution.x, spectrum)
 }
 
 /// The set of a linear problem, or of a problem whose priors determine the unobservable directions.
@@ -85,6 +86,7 @@ pub(crate) fn linear_set(problem: &Problem, solution: &Solution) -> Unobservable
         &all.collect::<Vec<_>>(),
         &solution.spectrum.natural,
     )
+    .of(&solution.x, &solution.spectrum)
 }
 
 /// The named unobservable directions, in the unknowns' units; with priors, those that the priors do not determine
@@ -176,10 +178,8 @@ fn values_along_path(
     let all: Vec<ContinuationPath> = mixed(&single).par_iter().map(walk).collect();
     walks.extend(all);
     let curved = walks.iter().any(|w| !w.ends.is_empty());
-    Some(UnobservableSet {
-        walks,
-        here: curved.then(|| here.spectrum.clone()),
-    })
+    let here = curved.then(|| here.spectrum.clone());
+    Some(UnobservableSet::new(walks, here))
 }
 
 /// A few samples of every segment with predicted values, weighted for all samples.

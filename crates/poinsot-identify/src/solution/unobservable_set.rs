@@ -32,9 +32,36 @@ pub(crate) struct UnobservableSet {
     pub walks: Vec<ContinuationPath>,
     /// Spectrum at the answer, of the predicted samples; `None` if every path is linear.
     pub here: Option<Spectrum>,
+    /// Directions on the paths that have a sigma all the same.
+    weak: Option<WeakPart>,
+}
+
+/// The answer, and its spectrum with directions beyond the rank that have a sigma: a number may change along these.
+#[derive(Clone)]
+struct WeakPart {
+    x: Vec<f64>,
+    spectrum: Spectrum,
 }
 
 impl UnobservableSet {
+    /// A set of paths; `here` is the spectrum of the predicted samples where any is curved.
+    pub fn new(walks: Vec<ContinuationPath>, here: Option<Spectrum>) -> Self {
+        Self {
+            walks,
+            here,
+            weak: None,
+        }
+    }
+
+    /// The same from this answer.
+    pub fn of(self, x: &[f64], spectrum: &Spectrum) -> Self {
+        let weak = (spectrum.told > spectrum.rank).then(|| WeakPart {
+            x: x.to_vec(),
+            spectrum: spectrum.clone(),
+        });
+        Self { weak, ..self }
+    }
+
     /// Linear paths along directions in the unknowns' units: the set of a linear problem.
     pub fn straight(x: &[f64], directions: &[Vec<f64>], natural: &[f64]) -> Self {
         let walk = |step: &Vec<f64>| {
@@ -43,10 +70,7 @@ impl UnobservableSet {
             let ends = if largest > 0.0 { REACH / largest } else { 0.0 };
             ContinuationPath::straight(x, |i| step.get(i).map_or(0.0, |s| s * ends))
         };
-        Self {
-            walks: directions.iter().map(walk).collect(),
-            here: None,
-        }
+        Self::new(directions.iter().map(walk).collect(), None)
     }
 
     /// The points at which quantities are compared: a few of a linear path, all of others.
@@ -56,16 +80,21 @@ impl UnobservableSet {
         walks.flat_map(move |w| w.points[w.tested.clone()].iter().step_by(stride(w)))
     }
 
-    /// Whether an unknown stays at its value.
-    pub fn keeps(&self, at: usize, value: f64, sigma: f64) -> bool {
-        let mut points = self.points();
-        points.all(|x| (x[at] - value).abs() <= CHANGE * sigma)
+    /// Whether the value of a quantity is constant along all paths, but for what its sigma tells.
+    pub fn keeps(&self, here: &Quantity, sigma: f64, at: impl Fn(&[f64]) -> f64) -> bool {
+        let told = |x: &[f64]| {
+            self.weak.as_ref().map_or(0.0, |weak| {
+                let step: Vec<f64> = x.iter().zip(&weak.x).map(|(to, from)| to - from).collect();
+                weak.spectrum.weak_change(&here.gradient, &step)
+            })
+        };
+        let mut changes = self.points().map(|x| at(x) - here.value - told(x));
+        changes.all(|change| change.abs() <= CHANGE * sigma)
     }
 
-    /// Whether value and sigma of a quantity are constant along all paths.
+    /// The same of value and sigma.
     pub fn holds(&self, here: &Quantity, sigma: f64, at: impl Fn(&[f64]) -> Quantity) -> bool {
-        let mut values = self.points().map(|x| at(x).value);
-        if !values.all(|v| (v - here.value).abs() <= CHANGE * sigma) {
+        if !self.keeps(here, sigma, |x| at(x).value) {
             return false;
         }
         let Some(spectrum) = &self.here else {

@@ -34,6 +34,26 @@ fn exact_no_sigma_for_what_touches_an_open_direction() {
     assert!((s.sigma(&[1.0, 1.0]).unwrap() - 1.0).abs() < 1e-14);
 }
 
+/// Sigmas 0.1 and 20: the second is not moved, but a number with a share of 0.001 in it has the sigma of that share. With a sigma of
+/// 1,000 the same share withholds it.
+#[test]
+fn exact_a_weak_direction_counts_in_the_sigma_of_a_number() {
+    let of = |weak: f64| {
+        let R = Mat::from_fn(2, 2, |i, j| [[10.0, 0.0], [0.0, 1.0 / weak]][i][j]);
+        Spectrum::new(&R, &[1.0, 1.0], None, 1.0, 1.0).unwrap()
+    };
+    let s = of(20.0);
+    assert_eq!((s.rank, s.told, s.structural_rank), (1, 2, 2));
+    let sigma = s.sigma(&[1.0, 1.0e-3]).unwrap();
+    assert!((sigma - 0.1_f64.hypot(0.02)).abs() < 1e-14);
+    assert!((s.covariance()[(1, 1)] - 400.0).abs() < 1e-10);
+    assert_eq!(s.unobservable_directions().ncols(), 1);
+    assert!((s.weak_change(&[1.0, 1.0e-3], &[5.0, 2.0]) - 2.0e-3).abs() < 1e-14);
+    let judged = s.judged(0.5);
+    assert!(judged.is_accurate(&[1.0, 1.0e-3], 1.0) && !judged.is_accurate(&[1.0, 0.1], 1.0));
+    assert_eq!(of(1000.0).sigma(&[1.0, 1.0e-3]), None);
+}
+
 /// Sigmas 0.1 along (0.6, 0.8) and 0.001 across it: a number counts by its own sigma, whatever part it has in either.
 #[test]
 fn exact_an_accuracy_judges_each_number_by_its_own_sigma() {
