@@ -43,8 +43,8 @@ def test_exact_simulate(command, tmp_path):
     name = "telemetry.csv" if (tmp_path / "b" / "telemetry.csv").exists() else "telemetry.parquet"
     assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
     truth = content((tmp_path / "b" / "truth.json").read_text())
-    named = {"file": name, "sha256": hashlib.sha256((tmp_path / "b" / name).read_bytes()).hexdigest()}
-    assert content(written.truth) == truth == {**content(simulation.truth), "telemetry": named}
+    named = {name: hashlib.sha256((tmp_path / "b" / name).read_bytes()).hexdigest()}
+    assert content(written.truth) == truth == {**content(simulation.truth), "files": named}
     of_file = pn.Telemetry.read(tmp_path / "b" / name)
     assert set(simulation.telemetry) == set(of_file)
     for channel in of_file:

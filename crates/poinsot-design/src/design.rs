@@ -551,6 +551,7 @@ impl<'c> Asked<'c> {
                 settled: found.reached.settled,
             },
             verification: None,
+            files: Default::default(),
         };
         Ok(Designed {
             file,

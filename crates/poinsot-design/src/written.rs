@@ -4,7 +4,7 @@ use crate::mover::{Command, Target};
 use crate::result::Designed;
 use crate::shape::Space;
 use poinsot::case::{Case, Design, parse_case};
-use poinsot::{Error, result_json, write_files};
+use poinsot::{Error, digests, result_json, write_files};
 use poinsot_dynamics::{Firing, Jet, JointDrive, Tree, WheelMotion, thrust_held};
 use poinsot_files::read_text;
 use poinsot_formats::case::{CaseFile, FiringFile, JointMotionFile, LimitsFile, WheelMotionFile};
@@ -216,7 +216,7 @@ pub fn manoeuvre_case(designed: &Designed, folder: &Path) -> Result<Case, Error>
 }
 
 /// Writes `case.toml`, `model.toml`, `commands.csv`, `firings.csv` of a design that fires, and `design.json` into a
-/// folder, all or none. Returns their paths.
+/// folder, all or none. The design then lists the others with their checksums. Returns their paths.
 ///
 /// # Errors
 /// The model cannot be read, or writing fails; earlier files are then kept.
@@ -224,20 +224,19 @@ pub fn manoeuvre_case(designed: &Designed, folder: &Path) -> Result<Case, Error>
 /// ```
 #[doc = include_str!("../doc/box.txt")]
 /// # let out = std::env::temp_dir().join(format!("poinsot-design-write-{}", std::process::id()));
-/// let designed = design_case(&case, model, &DesignRequest::default())?;
-/// write_design(&out, &designed, &folder.join("model.toml"))?;
+/// let mut designed = design_case(&case, model, &DesignRequest::default())?;
+/// write_design(&out, &mut designed, &folder.join("model.toml"))?;
 /// assert!(out.join("case.toml").exists() && out.join("design.json").exists());
 /// # std::fs::remove_dir_all(&out)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_design(
     folder: &Path,
-    designed: &Designed,
+    designed: &mut Designed,
     model: &Path,
 ) -> Result<Vec<PathBuf>, Error> {
     let text = read_text(model, LARGEST_MODEL).map_err(|e| Error::report(model, &e, e.advice()))?;
     let case = manoeuvre_case(designed, folder)?;
-    let json = result_json(folder, &designed.file, true)?;
     let mut files: Vec<(PathBuf, Vec<u8>)> = vec![
         ("model.toml".into(), text.into_bytes()),
         (
@@ -250,6 +249,8 @@ pub fn write_design(
         files.push(("firings.csv".into(), firings_csv(designed).into_bytes()));
     }
     // The result comes last: if it exists, the other files do too.
+    designed.file.files = digests(&files);
+    let json = result_json(folder, &designed.file, true)?;
     files.push(("design.json".into(), json.into_bytes()));
     write_files(folder, &files)
 }

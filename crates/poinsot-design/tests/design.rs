@@ -124,12 +124,12 @@ fn paper_xus_target_is_told_twice_as_well_within_the_same_peak_angles_and_rates(
 #[test]
 fn exact_what_a_design_says_is_what_predict_says_of_the_file_it_writes() {
     let (case, model) = boxed("", 1.0e-3);
-    let found = designed(&case, &model);
+    let mut found = designed(&case, &model);
     let folder = tempfile::tempdir().unwrap();
     let vehicle = folder.path().join("box.toml");
     std::fs::write(&vehicle, box_text()).unwrap();
     let out = folder.path().join("out");
-    let written = write_design(&out, &found, &vehicle).unwrap();
+    let written = write_design(&out, &mut found, &vehicle).unwrap();
     assert_eq!(written.len(), 4);
     let again = read_case(&out.join("case.toml")).unwrap();
     let mut own = read_model(&again.model).unwrap();

@@ -62,6 +62,9 @@ pub struct DesignFile {
     /// Trial flights, if requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub verification: Option<DesignVerificationFile>,
+    /// SHA-256 of the files that were written with this one, by their names in its folder; lower-case hexadecimal.
+    #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
+    pub files: IndexMap<String, String>,
 }
 
 /// The search for shorter manoeuvres.

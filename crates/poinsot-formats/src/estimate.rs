@@ -10,6 +10,9 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the format.
 pub const ESTIMATE: &str = "poinsot.estimate/3";
 
+/// Begins the warning of a file that has no checksum.
+pub(crate) const UNCHECKED: &str = "unchecked: ";
+
 /// Effects of a test that are evidence against the answer.
 const AGAINST: [&str; 3] = ["against_answer", "withholds_numbers", "rejects_model"];
 
@@ -460,7 +463,7 @@ impl EstimateFile {
             .iter()
             .map(|w| w.to_string())
             .collect();
-        match (
+        let mut why = match (
             against.is_empty(),
             self.is_withheld(),
             self.covariance_trustworthy,
@@ -468,7 +471,15 @@ impl EstimateFile {
             (true, true, _) => vec![format!("its status is {}", self.status)],
             (true, false, false) => vec!["its covariance is not trustworthy".to_owned()],
             _ => against,
-        }
+        };
+        why.extend(self.unchecked().map(str::to_owned));
+        why
+    }
+
+    /// The warning that it was read without a checksum.
+    pub fn unchecked(&self) -> Option<&str> {
+        let mut all = self.warnings.iter().map(String::as_str);
+        all.find(|w| w.starts_with(UNCHECKED))
     }
 
     /// Method and variant as text.

@@ -103,16 +103,16 @@ pub use prediction::{
     AgainstDurationFile, PREDICTION, PeakFile, PredictionFile, SigmasFile, WantedFile,
 };
 pub use read::{
-    LARGEST_RESULT, ResultFile, checksum, parse_estimate, parse_result, read_estimate, read_result,
-    read_truth, result_text, sha256, sha256_of,
+    LARGEST_RESULT, ResultFile, check_files, checksum, parse_estimate, parse_result, read_estimate,
+    read_result, read_truth, result_text, sha256, sha256_of,
 };
 pub use report_data::{
     Channel, DrawnBody, DrawnJoint, DrawnSensor, Pointer, REPORT_DATA, ReportData, Row, Segment,
     TrueNumbers, Vehicle,
 };
 pub use truth::{
-    InitialFile, JointStateFile, TRUTH, TrueBodyFile, TrueRunFile, TrueSensorFile,
-    TrueTelemetryFile, TruthFile, WheelUseFile,
+    InitialFile, JointStateFile, TRUTH, TrueBodyFile, TrueRunFile, TrueSensorFile, TruthFile,
+    WheelUseFile,
 };
 pub use validation::{
     ComparedQuantityFile, CompletedFile, EstimateRefFile, InSigmasFile, PredictionChangeFile,

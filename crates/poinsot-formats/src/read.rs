@@ -4,10 +4,11 @@
 //! no checksum; they are read, and say that they are unchecked.
 
 use crate::check::contradictions;
-use crate::estimate::{ESTIMATE, EstimateFile};
+use crate::estimate::{ESTIMATE, EstimateFile, UNCHECKED};
 use crate::truth::{TRUTH, TruthFile};
 use crate::upgrade;
-use poinsot_files::{Fault, Faults, InputError, Place, json_escaped};
+use indexmap::IndexMap;
+use poinsot_files::{Fault, Faults, InputError, Place, json_escaped, open};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -117,6 +118,33 @@ pub fn sha256_of(mut bytes: impl Read) -> io::Result<String> {
             0 => return Ok(hexadecimal(digest)),
             n => digest.update(&block[..n]),
         }
+    }
+}
+
+/// Checks the files that a result lists as written with it (`files`), where they still lie in its folder.
+///
+/// # Errors
+/// A file was changed, or is that of another run.
+///
+/// ```
+/// use poinsot_formats::{check_files, sha256};
+///
+/// let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/doc");
+/// let bytes = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/estimate.json"));
+/// let with = |sum| check_files(folder.as_ref(), &[("estimate.json".to_owned(), sum)].into());
+/// assert!(with(sha256(bytes)).is_ok());
+/// assert!(with(sha256(b"of another run")).is_err());
+/// ```
+pub fn check_files(folder: &Path, files: &IndexMap<String, String>) -> Result<(), String> {
+    let other = |(name, sum): &(&String, &String)| {
+        let found = open(&folder.join(name)).map(|(file, _)| sha256_of(file).ok());
+        found.is_ok_and(|found| found.as_ref() != Some(sum))
+    };
+    match files.iter().find(other) {
+        Some((name, _)) => Err(format!(
+            "{name} beside it was changed or is that of another run; run the command again"
+        )),
+        None => Ok(()),
     }
 }
 
@@ -293,7 +321,7 @@ pub fn parse_result<T: ResultFile>(path: &Path, bytes: &[u8]) -> Result<T, Fault
         return Err(contradictory(path, contradictions));
     }
     if sum.is_none() {
-        file.note(format!("unchecked: {found} has no checksum"));
+        file.note(format!("{UNCHECKED}{found} has no checksum"));
     }
     Ok(file)
 }

@@ -17,9 +17,9 @@ pub struct ReportData {
     pub poinsot: String,
     /// The command line.
     pub command: Vec<String>,
-    /// Checksum of the `estimate.json` to which it belongs. Absent in files of earlier versions.
-    #[serde(default, skip_serializing_if = "String::is_empty")]
-    pub estimate: String,
+    /// SHA-256 of the files that were written with this one, by their names in its folder; lower-case hexadecimal.
+    #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
+    pub files: IndexMap<String, String>,
     /// SHA-256 of the input files, equal to those in `estimate.json`.
     pub inputs: Vec<String>,
     /// The vehicle at the first sample.

@@ -27,9 +27,9 @@ pub struct TruthFile {
     /// What was simulated. Absent in a truth that no case of this program made.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub run: Option<TrueRunFile>,
-    /// The telemetry that was written with this file. Absent in files of earlier versions.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub telemetry: Option<TrueTelemetryFile>,
+    /// SHA-256 of the files that were written with this one, by their names in its folder; lower-case hexadecimal.
+    #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
+    pub files: IndexMap<String, String>,
     /// Pose and motion at time zero. Absent where there is no sample.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub initial: Option<InitialFile>,
@@ -63,15 +63,6 @@ pub struct TrueRunFile {
     pub seed: u64,
     /// Number of the trial.
     pub trial: u64,
-}
-
-/// Telemetry of a truth.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct TrueTelemetryFile {
-    /// Name of the file, in the folder of the truth.
-    pub file: String,
-    /// SHA-256 of its bytes, lower-case hexadecimal.
-    pub sha256: String,
 }
 
 /// True mass properties of a body, or of the whole vehicle.

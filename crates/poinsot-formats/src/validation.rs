@@ -1,6 +1,7 @@
 //! `validation.json`: comparison of the motion of a model or estimate with another model or telemetry.
 
 use crate::read::ResultFile;
+use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -42,6 +43,9 @@ pub struct ValidationFile {
     pub warnings: Vec<String>,
     /// What was assumed or repaired.
     pub repairs: Vec<String>,
+    /// SHA-256 of the files that were written with this one, by their names in its folder; lower-case hexadecimal.
+    #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
+    pub files: IndexMap<String, String>,
 }
 
 impl ValidationFile {

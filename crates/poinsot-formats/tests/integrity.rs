@@ -4,7 +4,7 @@
 
 use poinsot_formats::{
     CampaignFile, ComparisonFile, DesignFile, EstimateFile, PredictionFile, ReportData, ResultFile,
-    TruthFile, ValidationFile, parse_result, result_text, sha256,
+    TruthFile, ValidationFile, check_files, parse_result, result_text, sha256,
 };
 use std::fmt::Debug;
 use std::path::Path;
@@ -83,6 +83,35 @@ fn exact_an_estimate_that_contradicts_itself_is_refused() {
         println!("{k}: {}", refused.as_ref().err().unwrap());
         assert!(refused.is_err(), "edit {k}");
     }
+}
+
+/// Each byte of a file beside a result, and each length.
+#[test]
+fn exact_a_changed_file_beside_a_result_is_refused() {
+    let folder = std::env::temp_dir().join(format!("poinsot-beside-{}", std::process::id()));
+    std::fs::create_dir(&folder).unwrap();
+    let path = folder.join("rows.csv");
+    let bytes: Vec<u8> = (0..200).collect();
+    let listed = [("rows.csv".to_owned(), sha256(&bytes))]
+        .into_iter()
+        .collect();
+    let check = |bytes: &[u8]| {
+        std::fs::write(&path, bytes).unwrap();
+        check_files(&folder, &listed)
+    };
+    for k in 0..bytes.len() {
+        let mut changed = bytes.clone();
+        changed[k] ^= 1 << (k % 8);
+        assert!(
+            check(&changed)
+                .unwrap_err()
+                .starts_with("rows.csv beside it")
+        );
+        assert!(check(&bytes[..k]).is_err(), "{k}");
+    }
+    check(&bytes).unwrap();
+    std::fs::remove_dir_all(&folder).unwrap();
+    check_files(&folder, &listed).unwrap();
 }
 
 /// A file of the previous version has no checksum, is read, and says so.

@@ -26,7 +26,7 @@ pub fn design(
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Printed> {
     run(py, progress.as_ref(), move || {
-        let designed = poinsot_design::design(&DesignRequest {
+        let mut designed = poinsot_design::design(&DesignRequest {
             case: case.clone(),
             after,
             accept_unreliable,
@@ -36,7 +36,7 @@ pub fn design(
         })?;
         if let Some(folder) = &out {
             let model = read_case(&case)?.model;
-            write_design(folder, &designed, &model)?;
+            write_design(folder, &mut designed, &model)?;
         }
         let file = &designed.file;
         printed(file, &design_document(file), designed.passes())

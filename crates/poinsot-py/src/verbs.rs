@@ -154,9 +154,9 @@ pub fn validate(
         recover,
     };
     run(py, None, move || {
-        let found = poinsot::validate::validate(&request)?;
+        let mut found = poinsot::validate::validate(&request)?;
         if let Some(folder) = &out {
-            write_validation(folder, &found)?;
+            write_validation(folder, &mut found)?;
         }
         let file = &found.file;
         printed(file, &validation_document(file), file.passes())

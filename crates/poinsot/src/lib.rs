@@ -161,4 +161,4 @@ pub use report::write_report;
 pub use schema::{schema, schema_names};
 pub use threads::{start_threads, thread_count};
 pub use units::units_file;
-pub use written::{OutputFile, check_outputs, result_json, write_file, write_files};
+pub use written::{OutputFile, check_outputs, digests, result_json, write_file, write_files};

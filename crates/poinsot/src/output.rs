@@ -6,7 +6,7 @@ use crate::identify::Identified;
 use crate::report::{figure_files, page_of, report_data};
 use crate::written::{OutputFile, result_json, write_file, write_files};
 use poinsot_figures::FigureFormat;
-use poinsot_formats::checksum;
+use poinsot_formats::sha256;
 use poinsot_report::no_page;
 use std::path::{Path, PathBuf};
 
@@ -52,7 +52,8 @@ pub fn result_files(
 ) -> Result<Vec<OutputFile>, Error> {
     let estimate = estimate_text(folder, identified)?;
     let mut data = report_data(identified, command);
-    data.estimate = checksum(&estimate).map_or(String::new(), |(sum, _)| sum.to_owned());
+    let sum = sha256(estimate.as_bytes());
+    data.files.insert("estimate.json".to_owned(), sum);
     let data = result_json(folder, &data, false)?;
     let mut files: Vec<OutputFile> = Vec::new();
     if page || !figures.is_empty() {

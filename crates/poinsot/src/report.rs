@@ -14,7 +14,7 @@ use placed::nominal;
 use poinsot_dynamics::Tree;
 use poinsot_figures::{Figure, FigureFormat, Page, PageError};
 use poinsot_files::read;
-use poinsot_formats::{LARGEST_RESULT, Vehicle, checksum, parse_estimate};
+use poinsot_formats::{LARGEST_RESULT, Vehicle, parse_estimate, sha256};
 use poinsot_model::read_model;
 use poinsot_report::{
     Flown, Motion, RESULTS, comparison_part, no_page, parse_report_data, report_page, result_page,
@@ -85,10 +85,14 @@ fn fault(path: &Path) -> impl Fn(String) -> Error {
 pub(crate) fn page_of(folder: &Path, estimate: &[u8], data: &[u8]) -> Result<Page, Error> {
     let path = folder.join("report_data.json");
     let data = parse_report_data(data).map_err(fault(&path))?;
-    let sum = std::str::from_utf8(estimate).ok().and_then(checksum);
+    let sum = sha256(estimate);
     let estimate = parse_estimate(&folder.join("estimate.json"), estimate)?;
-    // Files of earlier versions have no checksum.
-    if sum.map_or("", |(sum, _)| sum) != data.estimate {
+    // Files of earlier versions list no others.
+    let own = match data.files.get("estimate.json") {
+        Some(listed) => *listed == sum,
+        None => estimate.unchecked().is_some(),
+    };
+    if !own {
         let why = "estimate.json and report_data.json come from different runs; run identify again";
         return Err(fault(&path)(why.to_owned()));
     }

@@ -11,7 +11,7 @@ use crate::progress::step;
 use crate::written::{check_outputs, result_json};
 use poinsot_dynamics::{Flight, Halt, MotionError, MotionSample, Tree, Vehicle, WheelUse};
 use poinsot_files::{Place, Stage};
-use poinsot_formats::{TrueTelemetryFile, TruthFile, sha256_of};
+use poinsot_formats::{TruthFile, sha256_of};
 use poinsot_model::{Joint, Model, Nuisance, SensorKind, read_model};
 use poinsot_spatial::InertialParameters;
 use poinsot_telemetry::{Channel, GROUP, Mounting, Table, mount, write_pieces};
@@ -104,10 +104,8 @@ pub fn simulate(case_path: &Path, out: &Path) -> Result<Written, Error> {
         Ok(truth)
     })?;
     let sum = stage.last().and_then(sha256_of);
-    file.telemetry = Some(TrueTelemetryFile {
-        file: name.to_owned(),
-        sha256: sum.map_err(|e| Error::io(&telemetry, "cannot be read", &e))?,
-    });
+    let sum = sum.map_err(|e| Error::io(&telemetry, "cannot be read", &e))?;
+    file.files.insert(name.to_owned(), sum);
     let text = result_json(out, &file, true)?;
     stage.add(Path::new("truth.json"), text.as_bytes())?;
     stage.commit()?;

@@ -237,6 +237,7 @@ impl Asked<'_> {
             completed,
             warnings: Vec::new(),
             repairs: Vec::new(),
+            files: Default::default(),
         };
         Validation { file, histories }
     }

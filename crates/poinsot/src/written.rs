@@ -1,8 +1,9 @@
 //! Writes the files of a result together, when all are complete and on disk. Used by every command.
 
 use crate::error::Error;
+use indexmap::IndexMap;
 use poinsot_files::{Stage, check_target, folder_of, is_same_file};
-use poinsot_formats::{Serialize, result_text};
+use poinsot_formats::{Serialize, result_text, sha256};
 use std::path::{Path, PathBuf};
 
 /// A file of a result: path relative to the folder, and bytes.
@@ -22,6 +23,17 @@ pub type OutputFile = (PathBuf, Vec<u8>);
 pub fn result_json<T: Serialize>(folder: &Path, file: &T, pretty: bool) -> Result<String, Error> {
     result_text(file, pretty)
         .map_err(|e| Error::io(folder, "the result cannot be written as JSON", &e.into()))
+}
+
+/// SHA-256 of files by name, as the result that is written with them lists them.
+///
+/// ```
+/// let files = poinsot::digests(&[("a.csv".into(), b"1".to_vec())]);
+/// assert_eq!(files["a.csv"], poinsot_formats::sha256(b"1"));
+/// ```
+pub fn digests(files: &[OutputFile]) -> IndexMap<String, String> {
+    let one = |(name, bytes): &OutputFile| (name.display().to_string(), sha256(bytes));
+    files.iter().map(one).collect()
 }
 
 /// Rows as CSV (RFC 4180, lines end with LF).

@@ -24,7 +24,7 @@ pub fn run(arguments: &Design) -> Outcome {
         let inputs: [&Path; 2] = [&arguments.case, &case.model];
         check_outputs("--out", &outputs, &inputs)?;
     }
-    let designed = design(&DesignRequest {
+    let mut designed = design(&DesignRequest {
         case: arguments.case.clone(),
         after: arguments.after.clone(),
         accept_unreliable: arguments.accept_unreliable,
@@ -33,7 +33,7 @@ pub fn run(arguments: &Design) -> Outcome {
         front: arguments.front.clone(),
     })?;
     let written = match &arguments.out {
-        Some(folder) => write_design(folder, &designed, &case.model)?,
+        Some(folder) => write_design(folder, &mut designed, &case.model)?,
         None => Vec::new(),
     };
     shown(

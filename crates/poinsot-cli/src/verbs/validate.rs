@@ -24,7 +24,7 @@ pub fn run(arguments: &Validate) -> Outcome {
             .collect();
         check_outputs("--out", &outputs, &inputs)?;
     }
-    let validation = validate(&ValidateRequest {
+    let mut validation = validate(&ValidateRequest {
         model: arguments.model.clone(),
         estimate: arguments.estimate.clone(),
         against: arguments.against.clone(),
@@ -36,7 +36,7 @@ pub fn run(arguments: &Validate) -> Outcome {
         recover: arguments.recover,
     })?;
     let written = match &arguments.out {
-        Some(folder) => write_validation(folder, &validation)?,
+        Some(folder) => write_validation(folder, &mut validation)?,
         None => Vec::new(),
     };
     let file = &validation.file;

@@ -15,6 +15,7 @@ mod export;
 mod follow;
 mod ground_export;
 mod init;
+mod mixtures;
 mod paper_tables;
 mod report;
 mod study;

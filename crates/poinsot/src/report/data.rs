@@ -29,7 +29,7 @@ pub fn report_data(identified: &Identified, command: &[String]) -> ReportData {
     let found = true_file(identified);
     let truth_note = match &found {
         Err(why) => format!("truth.json beside the telemetry is not used: {why}"),
-        Ok(Some(file)) if file.telemetry.is_none() => {
+        Ok(Some(file)) if file.files.is_empty() => {
             "Unchecked: truth.json does not name its telemetry".to_owned()
         }
         Ok(_) => String::new(),
@@ -39,7 +39,7 @@ pub fn report_data(identified: &Identified, command: &[String]) -> ReportData {
         schema: REPORT_DATA.to_owned(),
         poinsot: env!("CARGO_PKG_VERSION").to_owned(),
         command: command.to_vec(),
-        estimate: String::new(),
+        files: IndexMap::new(),
         inputs: identified
             .inputs
             .iter()
@@ -70,9 +70,9 @@ fn true_file(identified: &Identified) -> Result<Option<TruthFile>, String> {
     };
     let file = read_truth(&path).map_err(|e| e.to_string())?;
     let mut inputs = identified.inputs.iter().flatten();
-    match &file.telemetry {
-        Some(own) if !inputs.any(|input| input.sha256 == own.sha256) => {
-            Err(format!("it is that of another {}", own.file))
+    match file.files.first() {
+        Some((name, sum)) if !inputs.any(|input| input.sha256 == *sum) => {
+            Err(format!("it is that of another {name}"))
         }
         _ => Ok(Some(file)),
     }

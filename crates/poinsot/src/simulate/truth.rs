@@ -47,7 +47,7 @@ impl Drawn<'_> {
                 seed: case.seed,
                 trial: self.trial,
             }),
-            telemetry: None,
+            files: IndexMap::new(),
             initial: self.first.map(|s| initial(model, s)),
             bodies: bodies.map(|b| (b.name.clone(), body(&b.nominal))).collect(),
             system: self.first.map(|s| system(model, s)).into_iter().collect(),

@@ -2,7 +2,7 @@
 
 use super::Validation;
 use crate::error::Error;
-use crate::written::{csv_text, result_json, write_files};
+use crate::written::{csv_text, digests, result_json, write_files};
 use std::path::{Path, PathBuf};
 
 /// The histories, one number per row: `quantity,component,unit,time_s,model,against,difference`. Quaternions have no
@@ -53,7 +53,8 @@ pub fn validation_csv(validation: &Validation) -> String {
     csv_text(rows)
 }
 
-/// Writes `validation.json` and `histories.csv` into a folder, which is created if missing.
+/// Writes `validation.json` and `histories.csv` into a folder, which is created if missing. The validation then lists
+/// the histories with their checksum.
 ///
 /// # Errors
 /// Writing fails.
@@ -68,21 +69,18 @@ pub fn validation_csv(validation: &Validation) -> String {
 ///     against: folder.join("model.toml").into(),
 ///     ..ValidateRequest::default()
 /// };
-/// write_validation(&out, &validate(&request)?)?;
+/// write_validation(&out, &mut validate(&request)?)?;
 /// assert!(out.join("validation.json").exists() && out.join("histories.csv").exists());
 /// # std::fs::remove_dir_all(&out)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn write_validation(folder: &Path, validation: &Validation) -> Result<Vec<PathBuf>, Error> {
-    let text = result_json(folder, &validation.file, true)?;
+pub fn write_validation(folder: &Path, validation: &mut Validation) -> Result<Vec<PathBuf>, Error> {
     let csv = validation_csv(validation).into_bytes();
-    let mut paths = write_files(
-        folder,
-        &[
-            ("histories.csv".into(), csv),
-            ("validation.json".into(), text.into_bytes()),
-        ],
-    )?;
+    let mut files = vec![("histories.csv".into(), csv)];
+    validation.file.files = digests(&files);
+    let text = result_json(folder, &validation.file, true)?;
+    files.push(("validation.json".into(), text.into_bytes()));
+    let mut paths = write_files(folder, &files)?;
     paths.reverse();
     Ok(paths)
 }

@@ -88,7 +88,7 @@ fn exact_a_truth_of_other_telemetry_is_not_shown() {
     std::fs::write(&other, case.replace("seed = 1", "seed = 2")).unwrap();
     let mixed = simulate(&other, &folder.path().join("b")).unwrap().truth;
     let text = std::fs::read_to_string(&mixed).unwrap();
-    let from = text.find("  \"telemetry\": {").unwrap();
+    let from = text.find("  \"files\": {").unwrap();
     let to = from + text[from..].find("},\n").unwrap() + 3;
     let end = text.rfind(",\n  \"sha256\"").unwrap();
     let old = text[..from].replacen("truth/3", "truth/2", 1) + &text[to..end] + "\n}\n";

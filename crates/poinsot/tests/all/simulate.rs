@@ -3,7 +3,6 @@
 use crate::shared::shipped;
 use poinsot::case::{Case, parse_case, read_case};
 use poinsot::simulate::{simulate, simulate_case, simulate_trial};
-use poinsot_formats::TrueTelemetryFile;
 use poinsot_model::{FlexibleMode, JointKind, Mode, ModeEstimate, Model, SensorKind, read_model};
 use poinsot_telemetry::{ReadOptions, Table, read};
 use poinsot_testkit::compare::attitude_apart;
@@ -437,16 +436,9 @@ fn exact_files_hold_what_memory_holds_and_repeat_bit_for_bit() {
         }
         let bytes = std::fs::read(&written.telemetry).unwrap();
         // The file alone names the telemetry.
-        memory.truth.telemetry = Some(TrueTelemetryFile {
-            file: written
-                .telemetry
-                .file_name()
-                .unwrap()
-                .to_str()
-                .unwrap()
-                .into(),
-            sha256: poinsot_formats::sha256(&bytes),
-        });
+        let name = written.telemetry.file_name().unwrap().to_str().unwrap();
+        let sum = poinsot_formats::sha256(&bytes);
+        memory.truth.files.insert(name.to_owned(), sum);
         let text = std::fs::read_to_string(&written.truth).unwrap();
         // The file ends with the checksum of what memory holds.
         let truth = serde_json::to_string_pretty(&memory.truth).unwrap();

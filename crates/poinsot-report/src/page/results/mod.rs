@@ -13,11 +13,12 @@ pub use campaign::campaign_page;
 use super::lights::light;
 use super::vehicle::Flown;
 use super::{no_page, open, parse};
+use indexmap::IndexMap;
 use poinsot_figures::{
     Axis, Document, Figure, Html, Light, Mark, Opening, Page, PageError, Part, Plot, Section,
     Series, Tone,
 };
-use poinsot_formats::{IdentifiabilityFile, checksum};
+use poinsot_formats::{IdentifiabilityFile, check_files, checksum};
 use serde::Deserialize;
 use std::path::Path;
 
@@ -59,6 +60,8 @@ struct Shown {
 #[derive(Deserialize)]
 struct Named {
     schema: String,
+    #[serde(default)]
+    files: IndexMap<String, String>,
 }
 
 /// The page of a result file.
@@ -85,6 +88,7 @@ pub fn result_page(
 ) -> Result<Page, String> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let named: Named = serde_json::from_slice(bytes).map_err(|e| e.to_string())?;
+    check_files(folder, &named.files)?;
     let kind = named.schema.split('/').next().unwrap_or_default();
     let page = match kind {
         "poinsot.validation" => page(validation::result(&parse(bytes)?, folder)),
