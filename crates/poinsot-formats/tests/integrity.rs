@@ -127,6 +127,7 @@ fn exact_an_earlier_version_is_read_as_unchecked() {
         "{:?}",
         file.warnings
     );
+    assert_eq!(file.unreliable(), [note]);
     // With a checksum it is not of the previous version.
     let forged = text.replacen("estimate/3", "estimate/2", 1);
     assert!(read::<EstimateFile>(forged.as_bytes()).is_err());

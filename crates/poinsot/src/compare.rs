@@ -263,6 +263,8 @@ fn doubts(files: &[&EstimateFile], agreement: Option<f64>) -> Vec<String> {
         } else if !file.covariance_trustworthy {
             out.push(format!("the covariance of answer {i} is not trustworthy"));
         }
+        let unchecked = file.unchecked().into_iter();
+        out.extend(unchecked.map(|why| format!("answer {i} is {why}")));
     }
     let before = out.len();
     for (j, file) in (1..).zip(files) {

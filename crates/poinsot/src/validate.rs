@@ -144,6 +144,7 @@ pub fn validate(request: &ValidateRequest) -> Result<Validation, Error> {
             let warning = "the covariance of the estimate is not trustworthy; see its warnings";
             file.warnings.push(warning.to_owned());
         }
+        file.warnings.extend(estimated.unchecked.clone());
     }
     Ok(validation)
 }

@@ -25,6 +25,8 @@ pub struct EstimatedVehicle {
     pub status: String,
     /// Whether its covariance is reliable.
     pub trustworthy: bool,
+    /// The warning that its file has no checksum.
+    pub unchecked: Option<String>,
 }
 
 /// Reads `estimate.json` (or its folder) as a vehicle; `model` is the model of the identification.
@@ -95,6 +97,7 @@ pub fn of_estimate(
         completion,
         status: read.status.clone(),
         trustworthy: read.covariance_trustworthy,
+        unchecked: read.unchecked().map(str::to_owned),
     })
 }
 

@@ -63,6 +63,38 @@ fn exact_files_of_two_answers_are_not_mixed() {
     }
 }
 
+/// An answer of the previous version has no checksum: whatever is made of it says so.
+#[test]
+fn exact_what_is_made_of_an_unchecked_answer_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path();
+    let now = write_estimate(out, &answer(0)).unwrap();
+    let text = fs::read_to_string(&now).unwrap();
+    let end = text.rfind(",\n  \"sha256\"").unwrap();
+    let old = text[..end].replacen("estimate/3", "estimate/2", 1) + "\n}\n";
+    fs::write(&now, old).unwrap();
+    let why = "unchecked: poinsot.estimate/2 has no checksum";
+    let refused = export(out, Target::Csv, None, false).unwrap_err();
+    assert!(refused.to_string().contains(why), "{refused}");
+    let model = crates("poinsot/doc/model.toml");
+    let onto = export(out, Target::Model, Some(&model), true).unwrap();
+    assert!(onto.text.contains(why), "{}", onto.text);
+    let after = posterior::after_answer(&read_model(&model).unwrap(), out, false);
+    assert!(after.unwrap_err().to_string().contains(why));
+    let checked = check::check(&now).unwrap().content.to_string();
+    assert!(checked.contains(why), "{checked}");
+    let compared = compare(&[now.clone(), now.clone()]).unwrap();
+    assert!(compared.doubts[0].contains(why), "{:?}", compared.doubts);
+    let request = ValidateRequest {
+        estimate: Some(now),
+        case: Some(crates("poinsot/doc/case.toml")),
+        against: model.into(),
+        ..ValidateRequest::default()
+    };
+    let validated = validate(&request).unwrap().file;
+    assert_eq!(validated.warnings, [why]);
+}
+
 /// Two writers of one folder: one answer or the other, never a mixture.
 #[test]
 fn exact_two_writers_of_one_folder_leave_one_answer() {
