@@ -45,8 +45,7 @@ pub struct ShardSums {
     pub sums: CellSums,
     /// Size of the file of rows.
     pub rows_bytes: u64,
-    /// SHA-256 of the file of rows; empty in `poinsot.shard/1`.
-    #[serde(default)]
+    /// SHA-256 of the file of rows.
     pub rows_sha256: String,
 }
 
@@ -115,7 +114,7 @@ pub(super) fn rows_path(sums: &Path) -> PathBuf {
 
 impl ResultFile for ShardSums {
     const SCHEMA: &'static str = SCHEMA;
-    const EARLIER: &'static [&'static str] = &["poinsot.shard/1", "poinsot.shard/2"];
+    const EARLIER: &'static [&'static str] = &["poinsot.shard/2"];
 }
 
 impl ShardSums {
@@ -169,8 +168,7 @@ impl ShardSums {
             let wanted = self.rows_bytes;
             return Err(format!("its rows have {bytes} bytes instead of {wanted}"));
         }
-        let known = here && !self.rows_sha256.is_empty();
-        if known && sha256_of(file).map_err(|e| e.to_string())? != self.rows_sha256 {
+        if here && sha256_of(file).map_err(|e| e.to_string())? != self.rows_sha256 {
             return Err("its rows were changed: their checksum differs".to_owned());
         }
         Ok(())
