@@ -6,7 +6,7 @@ use crate::result::{Designed, REACHED};
 use crate::search::{Found, refine, search};
 use crate::shape::Space;
 use crate::trial::{Deadline, Question, Rows};
-use crate::verify::verify;
+use crate::verify::{check_flights, verify};
 use crate::watch::Watch;
 use crate::written::manoeuvre_text;
 use poinsot::Error;
@@ -132,6 +132,7 @@ pub fn design_case(case: &Case, model: Model, request: &DesignRequest) -> Result
         None => model,
     };
     let asked = Asked::new(case, &model, request.minutes)?;
+    check_flights(case, &model, request.verify)?;
     let front = Asked::front_limits(&request.front)?;
     let listening = Listening::begin();
     let mut question = asked.question(&asked.limits)?;

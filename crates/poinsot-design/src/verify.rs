@@ -8,6 +8,7 @@ use poinsot::Error;
 use poinsot::case::{Case, Want};
 use poinsot::predict::{covariance_name, wanted_sigma};
 use poinsot::trials::{Band, Row, Study};
+use poinsot_files::{check_memory, check_time};
 use poinsot_formats::{Address, DesignVerificationFile, VerifiedNumberFile, address};
 use poinsot_identify::Estimate;
 use poinsot_model::Model;
@@ -17,12 +18,24 @@ use rayon::prelude::*;
 const FLIGHT_STREAM: u64 = 1 << 33;
 /// Tolerance on a limit, relative: round-off.
 const ROUNDED: f64 = 2.0e-6;
+/// Memory of the outcome of a flight, bytes.
+const OF_FLIGHT: f64 = 128.0;
 
 /// Quantities of a body.
 const MASSES: [&str; 3] = ["mass_kg", "com_m", "inertia_kg_m2"];
 
 /// One flight: error over predicted sigma of every wanted number, and whether a limit was exceeded.
 type Outcome = Result<(Vec<f64>, bool), String>;
+
+/// Checks that memory and time are there for so many trial flights.
+///
+/// # Errors
+/// E0006 with both figures.
+pub(crate) fn check_flights(case: &Case, model: &Model, flights: u64) -> Result<(), Error> {
+    let what = format!("the {flights} trial flights");
+    check_memory(&what, flights as f64 * OF_FLIGHT)?;
+    check_time(&what, flights as f64 * case.check_fit(model)?)
+}
 
 /// Runs the trial flights of a manoeuvre.
 ///

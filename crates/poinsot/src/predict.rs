@@ -8,7 +8,7 @@ mod peaks;
 mod written;
 
 use crate::bind::{bind, cut_at, solve};
-use crate::case::{Case, FITTED, FITTED_S, Scenario, Want, estimated_numbers, read_case};
+use crate::case::{Case, Scenario, Want, estimated_numbers, read_case};
 use crate::error::{Error, check_accuracy, unsupported};
 use crate::simulate::{free_joints, is_read, simulate_exact, simulate_exact_watched};
 pub use file::prediction_file;
@@ -139,8 +139,7 @@ pub fn predict_case(
     let scenario = case.bind(&model)?;
     refuse_unread(&scenario, &model)?;
     let wants = case.wants(&model)?;
-    case.check_memory(&model, case.times().count(), FITTED)?;
-    case.check_time(&model, FITTED_S)?;
+    case.check_fit(&model)?;
     let mut peaks = Peaks::default();
     let exact = simulate_exact_watched(case, &model, scenario.clone(), |s| peaks.take(s))?;
     let tree = Tree::new(&model);

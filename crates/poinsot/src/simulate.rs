@@ -8,6 +8,7 @@ use crate::case::{Case, Format, SIMULATED, Scenario, read_case};
 use crate::channel_names::names;
 use crate::error::{Error, no_motion};
 use crate::progress::step;
+use crate::threads::{processor_time, since};
 use crate::written::{check_outputs, result_json};
 use poinsot_dynamics::{Flight, Halt, MotionError, MotionSample, Tree, Vehicle, WheelUse};
 use poinsot_files::{Place, Stage};
@@ -23,6 +24,9 @@ pub(crate) use truth::{mass as true_mass, scalar_errors};
 
 /// Samples between two progress reports.
 const REPORTED: usize = 500;
+/// Time of the first rows, s, from which that of all is estimated, and how many times as long as others they may take.
+const BEGUN: f64 = 1.0;
+const UNEVEN: f64 = 3.0;
 
 /// Telemetry with its true values.
 #[derive(Debug, Clone)]
@@ -340,7 +344,7 @@ fn report(taken: &mut usize, total: usize) {
 /// controller. `bodies` replace the model's mass properties.
 ///
 /// # Errors
-/// As [`simulate_case`].
+/// As [`simulate_case`]; E0006 where the rows so far took so long that all of them will not end within the limit of time.
 ///
 /// ```
 #[doc = include_str!("../doc/case.txt")]
@@ -359,15 +363,31 @@ pub fn run(
     model: &Model,
     bodies: Option<&[InertialParameters]>,
     scenario: &Scenario,
-    take: impl FnMut(&MotionSample) -> bool,
+    mut take: impl FnMut(&MotionSample) -> bool,
 ) -> Result<Vec<WheelUse>, Error> {
+    let (begun, rows) = (processor_time(), scenario.times.count());
+    let (mut taken, mut slow) = (0_usize, None);
+    let paced = |sample: &MotionSample| {
+        taken += 1;
+        let spent = if taken.is_power_of_two() {
+            since(begun)
+        } else {
+            0.0
+        };
+        if spent > BEGUN {
+            let least = spent * rows as f64 / taken as f64 / UNEVEN;
+            slow = case.check_seconds(rows, least).err();
+        }
+        slow.is_none() && take(sample)
+    };
     let mut vehicle = Vehicle::from(model);
     if let Some(bodies) = bodies {
         vehicle.bodies = bodies.to_vec();
     }
-    Flight::new(vehicle, &scenario.plan, case.tolerance)
-        .and_then(|flight| flight.run_while(&scenario.start, scenario.times.clone(), take))
-        .map_err(|error| refusal(case, model, error))
+    let used = Flight::new(vehicle, &scenario.plan, case.tolerance)
+        .and_then(|flight| flight.run_while(&scenario.start, scenario.times.clone(), paced))
+        .map_err(|error| refusal(case, model, error))?;
+    slow.map_or(Ok(used), Err)
 }
 
 /// The error names the joint that cannot move.

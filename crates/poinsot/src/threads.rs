@@ -1,8 +1,9 @@
-//! Thread pool of a command.
+//! Thread pool of a command, and the processor time of a thread.
 
 use crate::error::Error;
 use std::sync::Mutex;
 use std::thread::Builder;
+use std::time::Duration;
 
 /// Starts the thread pool: one thread per core, or fewer if `RAYON_NUM_THREADS` or the system limits them. For program
 /// start only; libraries use the existing pool.
@@ -50,4 +51,25 @@ fn startable(wanted: usize) -> Result<usize, Error> {
             _ => Ok(count),
         }
     })
+}
+
+/// Processor time of this thread.
+#[cfg(unix)]
+pub(crate) fn processor_time() -> Duration {
+    let t = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    Duration::new(t.tv_sec.max(0) as u64, t.tv_nsec as u32)
+}
+
+/// Wall-clock time, if processor time is not available.
+#[cfg(not(unix))]
+pub(crate) fn processor_time() -> Duration {
+    use std::sync::OnceLock;
+    use std::time::Instant;
+    static ZERO: OnceLock<Instant> = OnceLock::new();
+    ZERO.get_or_init(Instant::now).elapsed()
+}
+
+/// Processor time of this thread since an earlier one, s.
+pub(crate) fn since(start: Duration) -> f64 {
+    processor_time().saturating_sub(start).as_secs_f64()
 }

@@ -5,6 +5,7 @@ use super::experiment::Apply;
 use super::methods::MethodChoice;
 use super::plan::{Plan, Shard};
 use crate::error::Error;
+use crate::threads::{processor_time, since};
 use crate::trials::{Bound, Row, RowNumber, Study};
 use poinsot_formats::{DrawFile, OfFile};
 use poinsot_identify::{Estimate, Status};
@@ -12,7 +13,6 @@ use poinsot_papers::Kernel;
 use poinsot_telemetry::Table;
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::time::Duration;
 
 /// Trials by kernels that a thread takes at once: half a millisecond, long beside the wait for the queue.
 const TOGETHER: u64 = 256;
@@ -202,23 +202,3 @@ fn guarded(study: &Study, tables: &[Table], choice: &MethodChoice) -> Result<Est
 
 /// Prefix of the reason of a crashed trial.
 pub(super) const CRASHED: &str = "crashed:";
-
-/// CPU time of this thread.
-#[cfg(unix)]
-fn processor_time() -> Duration {
-    let t = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
-    Duration::new(t.tv_sec.max(0) as u64, t.tv_nsec as u32)
-}
-
-/// Wall-clock time, if CPU time is not available.
-#[cfg(not(unix))]
-fn processor_time() -> Duration {
-    use std::sync::OnceLock;
-    use std::time::Instant;
-    static ZERO: OnceLock<Instant> = OnceLock::new();
-    ZERO.get_or_init(Instant::now).elapsed()
-}
-
-fn since(start: Duration) -> f64 {
-    processor_time().saturating_sub(start).as_secs_f64()
-}

@@ -94,8 +94,29 @@ impl Case {
     pub(crate) fn check_time(&self, model: &Model, of_number: f64) -> Result<f64, Error> {
         let rows = self.times().count();
         let seconds = of_number * numbers(model, rows);
-        check_time(&self.words(rows), seconds)?;
+        self.check_seconds(rows, seconds)?;
         Ok(seconds)
+    }
+
+    /// Checks that memory and time are there to fit every row once; returns the least time, s.
+    ///
+    /// # Errors
+    /// E0006 with both figures.
+    ///
+    /// ```
+    #[doc = include_str!("../../doc/case.txt")]
+    /// // 51 rows.
+    /// assert!(case.check_fit(&model)? < 0.01);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn check_fit(&self, model: &Model) -> Result<f64, Error> {
+        self.check_memory(model, self.times().count(), FITTED)?;
+        self.check_time(model, FITTED_S)
+    }
+
+    /// Checks that so many seconds are there for so many rows.
+    pub(crate) fn check_seconds(&self, rows: usize, seconds: f64) -> Result<(), Error> {
+        check_time(&self.words(rows), seconds)
     }
 
     fn words(&self, rows: usize) -> String {
