@@ -48,6 +48,18 @@ pub fn check_time(what: &str, seconds: f64) -> Result<(), Faults> {
     }
 }
 
+/// The limit of [`check_memory`], bytes.
+///
+/// ```
+/// assert!(poinsot_files::memory_limit() > 0.0);
+/// ```
+pub fn memory_limit() -> f64 {
+    match LIMIT_MIB.load(Ordering::Relaxed) {
+        0 => SHARE * free(),
+        mib => mib as f64 * 1024.0 * 1024.0,
+    }
+}
+
 /// Checks that the estimated memory of some work is within the limit: that of [`limit_memory`], or 80 % of what is
 /// free.
 ///
@@ -62,11 +74,10 @@ pub fn check_time(what: &str, seconds: f64) -> Result<(), Faults> {
 /// assert!(refused.starts_with("E0006 1e18 rows need about 5.96"), "{refused}");
 /// ```
 pub fn check_memory(what: &str, bytes: f64) -> Result<(), Faults> {
-    let limit = match LIMIT_MIB.load(Ordering::Relaxed) {
-        0 if bytes < SMALL => return Ok(()),
-        0 => SHARE * free(),
-        mib => mib as f64 * 1024.0 * 1024.0,
-    };
+    if LIMIT_MIB.load(Ordering::Relaxed) == 0 && bytes < SMALL {
+        return Ok(());
+    }
+    let limit = memory_limit();
     match bytes <= limit {
         true => Ok(()),
         false => Err(Faults::memory(format!(

@@ -19,7 +19,7 @@ mod numbers;
 mod plain;
 mod stage;
 
-pub use budget::{check_memory, check_time, limit_hours, limit_memory};
+pub use budget::{check_memory, check_time, limit_hours, limit_memory, memory_limit};
 pub use fault::{Fault, FaultKind, Faults, Place, io_advice};
 pub use input::{InputError, open, read, read_text, spooled, standard_input};
 pub use numbers::{

@@ -36,14 +36,19 @@ pub struct ReadOptions {
 }
 
 impl ReadOptions {
-    /// Memory limit with its default, MiB.
+    /// Memory limit with its default, MiB; at most what the limit of the command leaves.
     pub(crate) fn memory_limit_mib(&self) -> usize {
-        match self.memory_mib {
+        let asked = match self.memory_mib {
             0 => MEMORY_MIB,
             mib => mib,
-        }
+        };
+        let most = poinsot_files::memory_limit() / COPIES / f64::from(1 << 20);
+        asked.min(most as usize).max(1)
     }
 }
+
+/// Memory that a reader needs over that of the samples.
+const COPIES: f64 = 2.0;
 
 /// Default memory limit for the samples of one file, MiB.
 pub const MEMORY_MIB: usize = 256;
