@@ -66,7 +66,7 @@ pub fn run(arguments: &Follow) -> Outcome {
         };
         if let Some(copy) = &mut copy {
             copy.write_all(&chunk)
-                .map_err(|e| unwritable(&arguments.file, &e))?;
+                .map_err(|e| unwritable(Path::new(ROWS), &e))?;
         }
         kept.extend(chunk);
         let text = whole_text(&mut kept);
