@@ -46,7 +46,7 @@ pub enum Verb {
     /// Exit code 0: every requested parameter is identified and every check passed. 1: some parameter is not identified or
     /// some check failed. 2: invalid arguments, model or telemetry. 3: disk or permission. 4: internal error.
     #[command(
-        after_help = "Examples:\n  poinsot identify -m model.toml flight.csv\n  poinsot identify -m model.toml day1.csv day2.csv --out answer --report"
+        after_help = "Examples:\n  poinsot identify model.toml flight.csv\n  poinsot identify -m model.toml day1.csv day2.csv --out answer --report"
     )]
     Identify(Identify),
     /// Estimate recursively while rows of telemetry arrive: one line of JSON per second of the record.
@@ -162,7 +162,7 @@ pub struct Print {
 #[derive(Debug, Args)]
 pub struct Identify {
     /// Telemetry of one segment (CSV or Parquet); files of one segment joined by commas. Give more for more
-    /// segments: the bodies are shared, each has its own initial momentum.
+    /// segments: the bodies are shared, each has its own initial momentum. Without `--model` a file .toml among them is the model.
     #[arg(value_name = "FILE[,FILE]", required_unless_present = "telemetry")]
     pub files: Vec<OsString>,
     /// Model of the vehicle (TOML, poinsot.model/1); `poinsot init` drafts one. Required.

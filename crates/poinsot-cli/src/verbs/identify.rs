@@ -9,19 +9,26 @@ use poinsot::{
 use poinsot_files::{Fault, Place};
 use poinsot_report::{Detail, estimate_document};
 use poinsot_telemetry::Encoding;
+use std::ffi::OsString;
 use std::path::Path;
 
 pub fn run(arguments: &Identify) -> Outcome {
     poinsot::start_threads()?;
     let rows = &arguments.rows;
-    let Some(model) = &arguments.model else {
-        return Err(no_model(arguments));
-    };
+    let mut files: Vec<&OsString> = arguments.files.iter().collect();
+    // A file of TOML is no telemetry.
+    let is_toml = |file: &&OsString| file.to_string_lossy().ends_with(".toml");
+    let named = || Some(files.remove(files.iter().position(is_toml)?).into());
+    let model = arguments.model.clone().or_else(named);
+    files.splice(0..0, &arguments.telemetry);
+    let model = model.ok_or_else(|| no_model(&files))?;
+    if files.is_empty() {
+        let advice = "name its files after the model";
+        return Err(Fault::new("E0001", Place::option("FILE"), "no telemetry", advice).into());
+    }
     let request = IdentifyRequest {
-        model: model.clone(),
-        segments: (arguments.telemetry.iter().chain(&arguments.files))
-            .map(segment_files)
-            .collect(),
+        model,
+        segments: files.into_iter().map(segment_files).collect(),
         reading: Reading {
             model: None,
             map: arguments.map.clone(),
@@ -71,9 +78,8 @@ pub fn run(arguments: &Identify) -> Outcome {
 }
 
 /// Without a model: the command that drafts one.
-fn no_model(arguments: &Identify) -> Error {
-    let files = arguments.telemetry.iter().chain(&arguments.files);
-    let files: Vec<_> = files.map(|file| file.to_string_lossy()).collect();
+fn no_model(files: &[&OsString]) -> Error {
+    let files: Vec<_> = files.iter().map(|file| file.to_string_lossy()).collect();
     let files = files.join(" ");
     let problem = "no model says what the vehicle consists of";
     let advice = format!(
@@ -89,13 +95,10 @@ fn check_places(
     request: &IdentifyRequest,
 ) -> Result<(), Error> {
     let mut names = vec!["estimate.json", "report_data.json"];
-    if arguments.report {
-        names.push("report.html");
-    }
+    names.extend(arguments.report.then_some("report.html"));
     let mut outputs: Vec<_> = names.into_iter().map(|n| folder.join(n)).collect();
-    if !arguments.figures.is_empty() {
-        outputs.push(folder.join("figures").join("..."));
-    }
+    let figures = arguments.figures.first();
+    outputs.extend(figures.map(|_| folder.join("figures").join("...")));
     let mut inputs: Vec<&Path> = vec![&request.model];
     inputs.extend(request.reading.map.as_deref());
     inputs.extend(request.segments.iter().flatten().map(|p| p.as_path()));

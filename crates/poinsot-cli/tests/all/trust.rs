@@ -176,7 +176,7 @@ fn regress_a_noisy_gyro_is_named_where_the_nominals_are_far() {
             String::from_utf8(done.stdout).unwrap()
         };
         run(&["simulate", "case.toml", "--out", "record"]);
-        let said = run(&["identify", "-m", "model.toml", "record/telemetry.csv"]);
+        let said = run(&["identify", "model.toml", "record/telemetry.csv"]);
         let cause = said.split("why it is rejected").nth(1);
         let cause = cause.and_then(|rest| rest.lines().nth(1)).unwrap_or(&said);
         assert!(
