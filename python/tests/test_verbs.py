@@ -184,9 +184,13 @@ nodes = 5
 def test_exact_design(command, tmp_path):
     case = tmp_path / "design.toml"
     case.write_text(BOX_DESIGN.replace("MODEL", str(Path(STSAT3).resolve())))
-    document = pn.design(case, out=tmp_path / "out")
-    assert (tmp_path / "out" / "commands.csv").exists()
-    same(document, command, "design", case)
+    folder = tmp_path / "out"
+    document = pn.design(case, out=folder)
+    assert content(document) == content((folder / "design.json").read_text())
+    assert "commands.csv" in document["files"]
+    for name, digest in document["files"].items():
+        assert hashlib.sha256((folder / name).read_bytes()).hexdigest() == digest
+    same(pn.design(case), command, "design", case)
     fronted = pn.design(case, front="duration")
     same(fronted, command, "design", case, "--front", "duration")
     assert fronted["front"] and not document.get("front")
