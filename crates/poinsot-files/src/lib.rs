@@ -15,6 +15,7 @@
 mod budget;
 mod fault;
 mod input;
+mod nearest;
 mod numbers;
 mod plain;
 mod stage;
@@ -22,6 +23,7 @@ mod stage;
 pub use budget::{check_memory, check_time, limit_hours, limit_memory, memory_limit};
 pub use fault::{Fault, FaultKind, Faults, Place, io_advice};
 pub use input::{InputError, open, read, read_text, spooled, standard_input};
+pub use nearest::nearest;
 pub use numbers::{
     HALF_WIDTH_95, as_read, list, number_with_sigma, probability, rounded, short, significant,
     to_digits,

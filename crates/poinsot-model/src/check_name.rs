@@ -2,7 +2,6 @@
 
 use crate::file::{ModelFile, NuisanceFile, NuisanceWord, SensorFile};
 use crate::finding::{Findings, Key, all};
-use crate::suggest;
 use crate::vehicle::JointKind;
 use poinsot_files::{excerpt, is_unprintable};
 use std::collections::HashMap;
@@ -126,7 +125,7 @@ pub(crate) fn unknown_name(
 ) {
     // In a file with many faults no similar name is searched.
     let few = findings.count() < 50;
-    let near = few.then(|| suggest::nearest(name, names)).flatten();
+    let near = few.then(|| poinsot_files::nearest(name, names)).flatten();
     let remedy = match near {
         Some(near) => format!("did you mean \"{}\"?", excerpt(near, 60)),
         None => format!("name one that a [[{kind}]] has"),

@@ -2,7 +2,6 @@
 
 use crate::file::ModelFile;
 use crate::finding::{Findings, Key};
-use crate::suggest;
 use crate::vehicle::JointKind;
 use poinsot_files::excerpt;
 use poinsot_telemetry::{FileMap, TelemetryMap, map_faults, vector_channels};
@@ -103,7 +102,7 @@ fn check_channel(
     let near = if findings.count() < 50 {
         let mut names: Vec<&str> = known.iter().map(String::as_str).collect();
         names.sort_unstable();
-        suggest::nearest(channel, &names)
+        poinsot_files::nearest(channel, &names)
     } else {
         None
     };

@@ -454,7 +454,7 @@ impl Shape<'_, '_> {
         if free || words.contains(&text) {
             return Some(Value::String(text.to_owned()));
         }
-        let nearest = match suggest::nearest(text, &words) {
+        let nearest = match poinsot_files::nearest(text, &words) {
             Some(word) => format!("; did you mean \"{word}\"?"),
             None => String::new(),
         };

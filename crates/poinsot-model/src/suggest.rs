@@ -1,5 +1,7 @@
 //! Suggests the key or name that was probably meant.
 
+use poinsot_files::nearest;
+
 /// Units that end keys of the format, longest first.
 const UNITS: &str = "N_m_s_per_rad N_m_per_rad N_s_per_m N_per_m kg_m2 m3_s2 kg05_m N_m_s rad_s \
     m_s2 kg05 N_m N_s rad m_s xyzw matrix kg Hz m s N";
@@ -23,24 +25,6 @@ pub(crate) fn printed_unit(suffix: &str) -> Option<String> {
             .replace("kg05", "kg^1/2"),
     };
     Some(text)
-}
-
-/// The closest candidate, if it is close enough for a typing error.
-pub(crate) fn nearest<'a>(word: &str, candidates: &[&'a str]) -> Option<&'a str> {
-    if word.chars().count() > 64 {
-        return None;
-    }
-    candidates
-        .iter()
-        .map(|c| {
-            (
-                strsim::jaro_winkler(&word.to_lowercase(), &c.to_lowercase()),
-                *c,
-            )
-        })
-        .filter(|(score, _)| *score > 0.75)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, c)| c)
 }
 
 /// Whether two words differ by at most a typing error.

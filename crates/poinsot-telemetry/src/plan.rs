@@ -9,7 +9,7 @@ use crate::{
     AttitudeMap, ChannelName, ColumnMap, DecimalSign, Dimension, FileMap, NamedMap, OrbitFrame,
     ReadOptions, Sense, TimeFormat, Unit, classify, map_faults, parse_unit, suggestions,
 };
-use poinsot_files::{Faults, Place};
+use poinsot_files::{Faults, Place, nearest};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
@@ -605,17 +605,13 @@ impl<'a> Unused<'a> {
     }
 
     fn nearest(&self, column: &str) -> String {
-        let close = self
-            .columns
-            .iter()
-            .map(|c| (strsim::jaro_winkler(c, column), c))
-            .filter(|c| c.0 > 0.7);
-        match close.max_by(|a, b| a.0.total_cmp(&b.0)) {
-            Some((_, near)) => format!("did you mean '{near}'?"),
-            None => {
-                let first: Vec<&str> = self.columns.iter().take(8).map(String::as_str).collect();
-                format!("name one that is there: {}", first.join(", "))
-            }
+        let columns: Vec<&str> = self.columns.iter().map(String::as_str).collect();
+        match nearest(column, &columns) {
+            Some(near) => format!("did you mean '{near}'?"),
+            None => format!(
+                "name one that is there: {}",
+                columns[..columns.len().min(8)].join(", ")
+            ),
         }
     }
 }

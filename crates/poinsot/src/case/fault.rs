@@ -1,7 +1,7 @@
 //! The text of a case or plan, checked against its table of keys, and its faults with line numbers.
 
 use crate::error::{Error, Fault};
-use poinsot_files::Place;
+use poinsot_files::{Place, nearest};
 use poinsot_formats::case::{CASE, CaseFile};
 use poinsot_model::{Format, check_keys, locate, without_null};
 use schemars::{JsonSchema, schema_for};
@@ -96,18 +96,10 @@ pub(crate) fn rows<T: JsonSchema>() -> Value {
 /// Suggests the nearest known name as remedy.
 pub(crate) fn did_you_mean<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> String {
     let known: Vec<&str> = known.collect();
-    let nearest = known
-        .iter()
-        .min_by_key(|k| strsim::damerau_levenshtein(name, k));
-    match nearest {
-        None => "remove it: it does not exist here".to_owned(),
-        Some(nearest)
-            if nearest.starts_with(name)
-                || strsim::damerau_levenshtein(name, nearest) <= name.len() / 2 =>
-        {
-            format!("did you mean \"{nearest}\"?")
-        }
-        Some(_) => {
+    match nearest(name, &known) {
+        Some(nearest) => format!("did you mean \"{nearest}\"?"),
+        None if known.is_empty() => "remove it: it does not exist here".to_owned(),
+        None => {
             let some = known.iter().take(8).map(|k| format!("\"{k}\""));
             format!("write one of {}", some.collect::<Vec<_>>().join(", "))
         }
