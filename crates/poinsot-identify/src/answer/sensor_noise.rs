@@ -75,12 +75,12 @@ impl Excess {
         let name = &self.name;
         match self.coloured && worst > whole {
             true => format!(
-                "the residual of the {name}{place} is correlated in time: {:.1} times its declared noise over {} samples",
+                "the residual of the {name}{place} is correlated in time: {:.1} times as large as declared over {} samples",
                 worst.sqrt(),
                 self.worst.readings
             ),
             false => format!(
-                "the residual of the {name}{place} is {:.2} times its declared noise",
+                "the residual of the {name}{place} is {:.2} times as large as declared",
                 whole.max(worst).sqrt()
             ),
         }
@@ -207,7 +207,7 @@ impl<'a> SensorNoise<'a> {
                 Remark::test(test, effect, e.message()).widening(times)
             }
             excess => {
-                let words = format!("the {test} is {times:.2} times its declared noise");
+                let words = format!("the {test} is {times:.2} times as large as declared");
                 let decided = excess.as_ref().map_or(0.0, |e| e.worst.mean_square());
                 let fails = self.limits.is_exceeded(&t.octave);
                 let factor = match fails && t.octave.mean_square() <= decided {

@@ -104,7 +104,7 @@ fn too_large(c: &ChannelDiagnosis) -> Option<Finding> {
         return None;
     }
     let text = format!(
-        "residual of the {} is {:.2} times its declared noise{}",
+        "residual of the {} is {:.2} times as large as declared{}",
         c.name,
         ratio.sqrt(),
         if c.is_white() {

@@ -39,7 +39,7 @@ pub(super) fn noise_models(
     for channel in channels {
         list.extend(outliers(experiment, fitted, channel));
         if of.misfit {
-            list.extend(noise(experiment, channel));
+            list.extend(noise(experiment, fitted, channel));
         }
     }
     if let Some(table) = table {
@@ -97,7 +97,7 @@ fn outliers(
 }
 
 /// Noise larger than declared, or the rounding that makes it so.
-fn noise(experiment: &Experiment, channel: &ChannelDiagnosis) -> Option<Scored> {
+fn noise(experiment: &Experiment, fitted: &Fitted, channel: &ChannelDiagnosis) -> Option<Scored> {
     let numbers = channel.numbers as f64;
     let ratio = channel.typical_chi2_per_number;
     if ratio <= 1.0 + MEDIAN_SCATTER * EXCESS * (2.0 / numbers).sqrt() {
@@ -105,14 +105,11 @@ fn noise(experiment: &Experiment, channel: &ChannelDiagnosis) -> Option<Scored> 
     }
     let mean = channel.chi2_per_number.max(1.0);
     let decrease = numbers * (mean - 1.0 - mean.ln());
-    let rounded = experiment
-        .problem
-        .segments
-        .iter()
-        .flat_map(|s| &s.observations.sensors)
-        .filter(|r| r.name == channel.name)
-        .find_map(|r| Some((step(r)?, r.covariance.trace() / 3.0)));
-    if let Some((step, variance)) = rounded
+    let segments = experiment.problem.segments.iter();
+    let mut records = segments.flat_map(|s| &s.observations.sensors);
+    let record = records.find(|r| r.name == channel.name)?;
+    let variance = record.covariance.trace() / 3.0;
+    if let Some(step) = step(record)
         && step * step / 12.0
             > experiment.settings.diagnosis.rounding_share * (mean - 1.0) * variance
     {
@@ -121,7 +118,12 @@ fn noise(experiment: &Experiment, channel: &ChannelDiagnosis) -> Option<Scored> 
         return Some(scored(name, FaultKind::Quantisation, decrease, value));
     }
     channel.is_white().then(|| {
-        let factor = ratio.sqrt();
+        // What the declared noise of inputs adds is as declared.
+        let residuals = fitted.evaluated.iter().flat_map(|e| &e.channels);
+        let own = residuals.filter(|c| c.name == channel.name);
+        let square = own.map(|c| c.square).sum::<f64>() / numbers;
+        let share = (variance * channel.chi2_per_number / square).min(1.0);
+        let factor = (1.0 + (ratio - 1.0) / share).sqrt();
         let name = format!(
             "noise of the {} {factor:.2} times as large as declared",
             channel.name
