@@ -187,6 +187,33 @@ impl Spectrum {
         self
     }
 
+    /// With intervals along the directions that keep their nominal values that reach to where the data would move them: sigma times
+    /// `interval` is at least that far. `R` and `rhs` are those of the least squares at the answer.
+    pub fn reaching(mut self, R: &Mat<f64>, rhs: &[f64], interval: f64) -> Self {
+        let n = self.natural.len();
+        let row = |i: usize, k: usize| -> f64 {
+            let along = |j: usize| R[(i, j)] * self.natural[j] * self.directions[(j, k)];
+            (0..n).map(along).sum()
+        };
+        let pull = |k: usize| {
+            let image: Vec<f64> = (0..n).map(|i| row(i, k)).collect();
+            let along: f64 = image.iter().zip(rhs).map(|(a, b)| a * b).sum();
+            (along / norm(&image)).abs()
+        };
+        let wider: Vec<f64> = (self.rank..self.told)
+            .map(|k| (pull(k) / interval).max(1.0))
+            .collect();
+        let rank = self.rank;
+        let own = self.experiment.as_deref_mut().map(|e| &mut e.singular);
+        for singular in std::iter::once(&mut self.singular).chain(own) {
+            singular[rank..]
+                .iter_mut()
+                .zip(&wider)
+                .for_each(|(s, w)| *s /= w);
+        }
+        self
+    }
+
     /// What the experiment allows: itself, save for an estimator within it.
     pub fn experiment(&self) -> &Spectrum {
         self.experiment.as_deref().unwrap_or(self)
@@ -351,6 +378,11 @@ impl Spectrum {
             (noise + bias * bias + open * open * f64::from(u8::from(open > 1.0e-9 * length)))
                 .sqrt(),
         )
+    }
+
+    /// Change of a number with this gradient by one natural unit along it: what it owes to nominal values.
+    pub fn change(&self, gradient: &[f64]) -> f64 {
+        norm(&self.natural_gradient(gradient))
     }
 
     /// Whether a number with this gradient is as accurate as asked, all sigmas widened by a factor, relative to its natural size: the

@@ -1,45 +1,33 @@
 //! Mass properties with sigma and source, for each body and for the whole vehicle.
 
-use crate::fit::alternatives::OtherWheelMotion;
 use crate::fit::triangle::ConditionalEstimate;
 use crate::problem::parameters::{
     Equations, Parameters, Unknown, UnknownKind, rotation_properties,
 };
 use crate::problem::quantity::{Quantity, TenParameters, mass_property};
 use crate::solution::estimate::{BodyEstimate, Number, Principal, Source};
-use crate::solution::solved::Solution;
-use crate::solution::unobservable_set::UnobservableSet;
+use crate::solution::solved::{CHANGE, Solution};
 use nalgebra::Rotation3;
 use poinsot_dynamics::{Kinematics, Tree};
 use poinsot_model::EstimateSet;
-use poinsot_solve::Spectrum;
 use poinsot_spatial::{MassProperties, Matrix3, Vector3, pseudo_inertia, tensor};
 
 /// Value and sigma of quantities; `None` for an undetermined one.
 pub(crate) struct QuantityEstimator<'a> {
-    spectrum: &'a Spectrum,
-    /// What the data say without the priors of mass properties.
-    data_alone: Option<&'a Spectrum>,
-    /// A quantity that is constant along it is determined.
-    unobservable_set: &'a UnobservableSet,
+    solution: &'a Solution,
     /// Factor on sigma where the residual is larger than declared.
     inflation: f64,
     rejected: bool,
     /// Nuisances as functions of the mass properties, and their conditional covariance.
     nuisances: ConditionalEstimate,
-    other_wheel_motion: Option<&'a OtherWheelMotion>,
 }
 
 impl<'a> QuantityEstimator<'a> {
     pub(crate) fn new(solution: &'a Solution, inflation: f64, rejected: bool) -> Self {
-        let spectrum = &solution.spectrum;
         Self {
-            spectrum,
-            data_alone: solution.data_alone(),
-            unobservable_set: &solution.unobservable_set,
+            solution,
             inflation,
             rejected,
-            other_wheel_motion: solution.other_wheel_motion(),
             nuisances: solution.shared.nuisance_estimate(&solution.x),
         }
     }
@@ -47,7 +35,7 @@ impl<'a> QuantityEstimator<'a> {
     /// A gradient over all unknowns as one over the mass properties, and the variance that the known numbers in it and the
     /// choice between two wheel motions add.
     fn folded(&self, gradient: &[f64]) -> (Vec<f64>, f64) {
-        let m = self.spectrum.natural.len();
+        let m = self.solution.spectrum.natural.len();
         let (used, behind) = gradient.split_at(m.min(gradient.len()));
         let mut used = used.to_vec();
         let mut own = 0.0;
@@ -59,7 +47,7 @@ impl<'a> QuantityEstimator<'a> {
                 own += a * b * self.nuisances.covariance[(i, j)];
             }
         }
-        if let Some(other) = self.other_wheel_motion {
+        if let Some(other) = self.solution.other_wheel_motion() {
             let change = other.change(gradient);
             own += other.covariance(change, change);
         }
@@ -81,13 +69,17 @@ impl<'a> QuantityEstimator<'a> {
         if self.rejected || !quantity.value.is_finite() {
             return Number::undetermined(nominal);
         }
-        let accurate = self.spectrum.is_accurate(used, self.inflation);
-        let sigma = self.spectrum.sigma_within(used, self.inflation);
+        let accurate = self.solution.spectrum.is_accurate(used, self.inflation);
+        let sigma = self.solution.spectrum.sigma_within(used, self.inflation);
         match sigma.filter(|_| accurate) {
-            Some(sigma) if self.unobservable_set.holds(quantity, sigma, at) => {
+            Some(sigma) if self.solution.holds(quantity, sigma, at) => {
                 let sigma = sigma.hypot(own.sqrt()) * self.inflation;
                 let mut number = Number::data(quantity.value, sigma, nominal);
-                if self.data_alone.is_some_and(|d| d.sigma(used).is_none()) {
+                if self
+                    .solution
+                    .data_alone()
+                    .is_some_and(|d| d.sigma(used).is_none())
+                {
                     number.source = Source::Prior;
                 }
                 number
@@ -102,8 +94,13 @@ impl<'a> QuantityEstimator<'a> {
             return None;
         }
         let (used, known) = self.folded(gradient);
-        let sigma = self.spectrum.sigma_within(&used, self.inflation)?;
-        Some((sigma * sigma + own + known).sqrt() * self.inflation)
+        let (spectrum, own) = (&self.solution.spectrum, own + known);
+        // What hardly depends on the mass properties needs none of them.
+        let sigma = match spectrum.change(&used) <= CHANGE * own.sqrt() {
+            true => 0.0,
+            false => spectrum.sigma_within(&used, self.inflation)?,
+        };
+        Some((sigma * sigma + own).sqrt() * self.inflation)
     }
 }
 

@@ -42,7 +42,6 @@ pub(crate) fn combinations(
         let sigma = estimator.sigma_with(&full, 0.0)?;
         let declared = spectrum.sigma(&gradient)?;
         solution
-            .unobservable_set
             .holds(&at(&solution.x), declared, at)
             .then(|| DeterminedCombination {
                 text: naming::sentence(solution, c),
@@ -149,7 +148,7 @@ pub(crate) fn functions(
                 gradient: slope.map_or_else(Vec::new, |s| s.1[k].clone()),
             }
         };
-        if set.holds(&quantity, declared, at) {
+        if solution.holds(&quantity, declared, at) {
             found.push(DeterminedCombination {
                 text,
                 coefficients: Vec::new(),

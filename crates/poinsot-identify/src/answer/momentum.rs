@@ -56,8 +56,8 @@ pub(crate) fn nuisances(estimator: &QuantityEstimator, solution: &Solution) -> V
                 value: solution.x[at],
                 gradient: own,
             };
-            let set = &solution.unobservable_set;
-            let sigma = sigma.filter(|s| s.is_finite() && set.keeps(&here, *s, |x| x[at]));
+            let stays = |s: &f64| s.is_finite() && solution.keeps(&here, *s, |x| x[at]);
+            let sigma = sigma.filter(stays);
             NamedNumber {
                 name: unknown.name.clone(),
                 unit: unknown.unit,

@@ -46,8 +46,7 @@ pub(crate) fn unobservable_set(
     }
     let directions = directions(experiment.problem, solution);
     if !experiment.parameters.has_known() {
-        let set = values_along_path(experiment, at, &directions, spectrum.rank);
-        return set.unwrap_or_default().of(&solution.x, spectrum);
+        return values_along_path(experiment, at, &directions, spectrum.rank).unwrap_or_default();
     }
     // The vehicle with the fitted values of its known numbers.
     let of_known = || {
@@ -73,7 +72,7 @@ pub(crate) fn unobservable_set(
         }
         Some(set)
     };
-    of_known().unwrap_or_default().of(&solution.x, spectrum)
+    of_known().unwrap_or_default()
 }
 
 /// The set of a linear problem, or of a problem whose priors determine the unobservable directions.
@@ -86,7 +85,6 @@ pub(crate) fn linear_set(problem: &Problem, solution: &Solution) -> Unobservable
         &all.collect::<Vec<_>>(),
         &solution.spectrum.natural,
     )
-    .of(&solution.x, &solution.spectrum)
 }
 
 /// The named unobservable directions, in the unknowns' units; with priors, those that the priors do not determine
@@ -178,8 +176,10 @@ fn values_along_path(
     let all: Vec<ContinuationPath> = mixed(&single).par_iter().map(walk).collect();
     walks.extend(all);
     let curved = walks.iter().any(|w| !w.ends.is_empty());
-    let here = curved.then(|| here.spectrum.clone());
-    Some(UnobservableSet::new(walks, here))
+    Some(UnobservableSet {
+        walks,
+        here: curved.then(|| here.spectrum.clone()),
+    })
 }
 
 /// A few samples of every segment with predicted values, weighted for all samples.

@@ -27,6 +27,7 @@ use crate::motion::input_noise::approximate;
 use crate::problem::loss::Loss;
 use crate::problem::parameters::{Equations, Parameters, lifted_vector};
 use crate::problem::prior::{Conflict, PriorTest};
+use crate::problem::question::INTERVAL;
 use crate::problem::refusal::NO_VELOCITY;
 use crate::problem::segment::Segment;
 use crate::problem::settings::Settings;
@@ -336,6 +337,8 @@ pub(crate) fn conclude(
     let within = |k: &Effects| Spectrum::within(&fitted.shared.block(), None, &k.exact).ok();
     let spectrum = known.as_ref().and_then(within);
     let spectrum = spectrum.unwrap_or_else(|| judged(fitted.spectrum.clone()));
+    let (R, rhs) = (fitted.shared.block(), fitted.shared.rhs());
+    let spectrum = spectrum.reaching(&R, &rhs, INTERVAL);
     Solution {
         method: "maximum_likelihood",
         residual: (fitted.chi2(), fitted.rows().saturating_sub(numbers)),

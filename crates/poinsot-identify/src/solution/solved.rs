@@ -10,6 +10,7 @@ use crate::likelihood::{InitialState, MeasuredMotion};
 use crate::problem::alternative::Alternative;
 use crate::problem::parameters::Parameters;
 use crate::problem::prior::{Conflict, PriorTest};
+use crate::problem::quantity::Quantity;
 use crate::problem::settings::Settings;
 use crate::solution::estimate::SegmentFit;
 use crate::solution::evidence::Remark;
@@ -17,6 +18,9 @@ use crate::solution::unobservable_set::UnobservableSet;
 use poinsot_model::MomentumKnowledge;
 use poinsot_solve::Spectrum;
 use poinsot_spatial::{Matrix3, Vector3};
+
+/// Largest change of a constant quantity along a path, sigmas: it adds half a percent to the variance.
+pub(crate) const CHANGE: f64 = 0.1;
 
 /// A vector with its gradient over the unknowns (three rows) and its own covariance given them.
 #[derive(Clone)]
@@ -169,6 +173,21 @@ impl Solution {
             initial_states: initial_states.collect(),
             x: self.x.clone(),
         }
+    }
+
+    /// Whether the value of a quantity is constant along all paths of equal prediction, but for what its sigma tells of weak directions.
+    pub fn keeps(&self, here: &Quantity, sigma: f64, at: impl Fn(&[f64]) -> f64) -> bool {
+        let told = |x: &[f64]| {
+            let step: Vec<f64> = x.iter().zip(&self.x).map(|(to, from)| to - from).collect();
+            self.spectrum.weak_change(&here.gradient, &step)
+        };
+        let mut changes = (self.unobservable_set.points()).map(|x| at(x) - here.value - told(x));
+        changes.all(|change| change.abs() <= CHANGE * sigma)
+    }
+
+    /// The same of value and sigma.
+    pub fn holds(&self, here: &Quantity, sigma: f64, at: impl Fn(&[f64]) -> Quantity) -> bool {
+        self.keeps(here, sigma, |x| at(x).value) && self.unobservable_set.keeps_sigma(here, at)
     }
 
     /// Chi-square per degree of freedom.

@@ -8,8 +8,6 @@ use std::ops::Range;
 pub(crate) const REACH: f64 = 0.2;
 /// Points of a path on each side of the answer.
 pub(crate) const POINTS: usize = 10;
-/// Largest change of a constant quantity along a path, sigmas: it adds half a percent to the variance.
-const CHANGE: f64 = 0.1;
 /// Largest factor of sigma along a path: a function of identifiable numbers has one sigma on the whole set, unlike a
 /// combination with estimated coefficients.
 const SPREAD: f64 = 1.5;
@@ -32,36 +30,9 @@ pub(crate) struct UnobservableSet {
     pub walks: Vec<ContinuationPath>,
     /// Spectrum at the answer, of the predicted samples; `None` if every path is linear.
     pub here: Option<Spectrum>,
-    /// Directions on the paths that have a sigma all the same.
-    weak: Option<WeakPart>,
-}
-
-/// The answer, and its spectrum with directions beyond the rank that have a sigma: a number may change along these.
-#[derive(Clone)]
-struct WeakPart {
-    x: Vec<f64>,
-    spectrum: Spectrum,
 }
 
 impl UnobservableSet {
-    /// A set of paths; `here` is the spectrum of the predicted samples where any is curved.
-    pub fn new(walks: Vec<ContinuationPath>, here: Option<Spectrum>) -> Self {
-        Self {
-            walks,
-            here,
-            weak: None,
-        }
-    }
-
-    /// The same from this answer.
-    pub fn of(self, x: &[f64], spectrum: &Spectrum) -> Self {
-        let weak = (spectrum.told > spectrum.rank).then(|| WeakPart {
-            x: x.to_vec(),
-            spectrum: spectrum.clone(),
-        });
-        Self { weak, ..self }
-    }
-
     /// Linear paths along directions in the unknowns' units: the set of a linear problem.
     pub fn straight(x: &[f64], directions: &[Vec<f64>], natural: &[f64]) -> Self {
         let walk = |step: &Vec<f64>| {
@@ -70,7 +41,10 @@ impl UnobservableSet {
             let ends = if largest > 0.0 { REACH / largest } else { 0.0 };
             ContinuationPath::straight(x, |i| step.get(i).map_or(0.0, |s| s * ends))
         };
-        Self::new(directions.iter().map(walk).collect(), None)
+        Self {
+            walks: directions.iter().map(walk).collect(),
+            here: None,
+        }
     }
 
     /// The points at which quantities are compared: a few of a linear path, all of others.
@@ -80,23 +54,8 @@ impl UnobservableSet {
         walks.flat_map(move |w| w.points[w.tested.clone()].iter().step_by(stride(w)))
     }
 
-    /// Whether the value of a quantity is constant along all paths, but for what its sigma tells.
-    pub fn keeps(&self, here: &Quantity, sigma: f64, at: impl Fn(&[f64]) -> f64) -> bool {
-        let told = |x: &[f64]| {
-            self.weak.as_ref().map_or(0.0, |weak| {
-                let step: Vec<f64> = x.iter().zip(&weak.x).map(|(to, from)| to - from).collect();
-                weak.spectrum.weak_change(&here.gradient, &step)
-            })
-        };
-        let mut changes = self.points().map(|x| at(x) - here.value - told(x));
-        changes.all(|change| change.abs() <= CHANGE * sigma)
-    }
-
-    /// The same of value and sigma.
-    pub fn holds(&self, here: &Quantity, sigma: f64, at: impl Fn(&[f64]) -> Quantity) -> bool {
-        if !self.keeps(here, sigma, |x| at(x).value) {
-            return false;
-        }
+    /// Whether the sigma of a quantity is constant along all paths.
+    pub fn keeps_sigma(&self, here: &Quantity, at: impl Fn(&[f64]) -> Quantity) -> bool {
         let Some(spectrum) = &self.here else {
             return true;
         };

@@ -54,6 +54,18 @@ fn exact_a_weak_direction_counts_in_the_sigma_of_a_number() {
     assert_eq!(of(1000.0).sigma(&[1.0, 1.0e-3]), None);
 }
 
+/// Data that would move a weak direction by six of its sigmas: the 95 % interval reaches there. A pull within it changes nothing.
+#[test]
+fn exact_an_interval_reaches_to_where_the_data_pull() {
+    let R = Mat::from_fn(2, 2, |i, j| [[10.0, 0.0], [0.0, 0.05]][i][j]);
+    let s = Spectrum::new(&R, &[1.0, 1.0], None, 1.0, 1.0).unwrap();
+    let far = s.clone().reaching(&R, &[0.0, 6.0], 2.0);
+    let sigma = far.sigma(&[1.0, 1.0e-3]).unwrap();
+    assert!((sigma - 0.1_f64.hypot(3.0 * 0.02)).abs() < 1e-14);
+    let near = s.reaching(&R, &[0.0, 1.9], 2.0);
+    assert!((near.sigma(&[1.0, 1.0e-3]).unwrap() - 0.1_f64.hypot(0.02)).abs() < 1e-14);
+}
+
 /// Sigmas 0.1 along (0.6, 0.8) and 0.001 across it: a number counts by its own sigma, whatever part it has in either.
 #[test]
 fn exact_an_accuracy_judges_each_number_by_its_own_sigma() {
