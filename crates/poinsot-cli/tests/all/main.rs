@@ -16,6 +16,7 @@ mod follow;
 mod ground_export;
 mod init;
 mod mixtures;
+mod noisy_gyro;
 mod paper_tables;
 mod report;
 mod study;

@@ -20,12 +20,10 @@ use crate::problem::segment::Segment;
 use crate::problem::settings::Coordinates;
 use crate::problem::{Problem, ProblemError};
 use poinsot_model::{Model, Prior};
-use poinsot_solve::{LeastSquares, levenberg_marquardt};
+use poinsot_solve::{LeastSquares, Linearised, levenberg_marquardt};
 
 /// Smallest reduction of the grid for a coarse fit.
 const WORTH: usize = 4;
-/// Times the declared mean square from which noise beyond what is declared is allowed for: less hides no fit.
-const NOISY: f64 = 4.0;
 /// Iterations for one beginning: a near start needs five.
 const ARC_ITERATIONS: usize = 12;
 /// Share of the record by which the first beginning is shortened until a start explains it.
@@ -102,7 +100,20 @@ fn brought_back(
 }
 
 /// Fits from the better of some starts; `None` where the vehicle moves from none of them.
+///
+/// Noise far beyond what is declared makes every start seem too far. Where the residual of a search that did not converge is of the
+/// size of the noise that it shows, the search is made with that noise.
 pub(super) fn search(experiment: &Experiment, starts: &[Iterate]) -> Option<Fitted> {
+    let found = search_once(experiment, starts)?;
+    let mut noisy = experiment.with_parameters(experiment.parameters);
+    noisy.scatter = found.scatter();
+    let failed = !(found.converged || found.explains);
+    let is_noise = failed && noisy.expects(found.chi2(), &found.evaluated);
+    let again = is_noise.then(|| search_once(&noisy, starts)).flatten();
+    again.filter(|f| f.converged && f.explains).or(Some(found))
+}
+
+fn search_once(experiment: &Experiment, starts: &[Iterate]) -> Option<Fitted> {
     let direct = from_better(experiment, starts);
     if direct.as_ref().is_some_and(|d| d.converged && d.explains) {
         return direct;
@@ -112,9 +123,6 @@ pub(super) fn search(experiment: &Experiment, starts: &[Iterate]) -> Option<Fitt
         (Search::Lost(share), at) => {
             let found = direct.or_else(|| fit_from(experiment, at?, 0))?;
             if found.explains {
-                return Some(found);
-            }
-            if let Some(found) = as_noisy(experiment, &found, starts) {
                 return Some(found);
             }
             // What no motion over a few samples explains is no matter of the start.
@@ -147,26 +155,13 @@ pub(super) fn search(experiment: &Experiment, starts: &[Iterate]) -> Option<Fitt
     })
 }
 
-/// A fit from these starts with the noise that the residual of a failed one shows, where that explains it. Where much of it is
-/// noise beyond what is declared, a search takes every start for one that is too far.
-fn as_noisy(experiment: &Experiment, failed: &Fitted, starts: &[Iterate]) -> Option<Fitted> {
-    let mut noisy = experiment.with_parameters(experiment.parameters);
-    noisy.scatter = failed.scatter();
-    let explained = noisy.expects(failed.chi2(), &failed.evaluated);
-    let more = explained && noisy.scatter > NOISY * experiment.scatter;
-    let found = more.then(|| search(&noisy, starts))??;
-    (found.converged && found.explains).then_some(found)
-}
-
 /// The fit of the whole record from the better start: over a few samples where there are many and these lead close. A
 /// start can change the directions that are identified as the fit goes on; where it does not converge, the other is tried.
 fn from_better(experiment: &Experiment, starts: &[Iterate]) -> Option<Fitted> {
+    let is_close = |here: &Linearised<_>| experiment.is_close(here);
     let close = few_samples(experiment.problem.segments)
         .and_then(|few| coarse_fit(experiment, starts, &few))
-        .and_then(|at| {
-            let here = experiment.linearise(&at)?;
-            experiment.is_close(&here).then_some((here, at))
-        });
+        .and_then(|at| Some((experiment.linearise(&at).filter(is_close)?, at)));
     let mut best = close.and_then(|(here, at)| fit_on(experiment, at, here, ITERATIONS));
     if best.as_ref().is_some_and(|b| b.converged) {
         return best;

@@ -193,7 +193,7 @@ impl Experiment<'_> {
         let inputs = [&noise.joint_position, &noise.joint_rate, &noise.wheel_speed];
         let noisy = inputs.into_iter().flatten().any(|v| *v > 0.0);
         match noisy || self.problem.model.environment.random_torque.is_some() {
-            true => COVARIANCE,
+            true => COVARIANCE * self.scatter,
             false => 0.0,
         }
     }
