@@ -29,8 +29,12 @@ const FACTORS: [(f64, &str); 4] = [
 const MOMENTS: [usize; 3] = [0, 2, 5];
 /// Largest residual chi-square relative to that of the rates themselves.
 const UNEXPLAINED: f64 = 0.01;
-/// Rotation per sample, rad, above which a fit takes minutes.
+/// Rotation per sample, rad, above which a fit of another unit takes minutes, and of the beginning that tells whether the declared
+/// one fits.
 const FAR: f64 = 0.3;
+const BEGINNING: f64 = 100.0;
+/// Rotation per sample, rad, from which an attitude is not integrated from a gyro.
+const FOLLOWED: f64 = 1.0;
 /// Tolerance of the mean factor, relative.
 const MEAN: f64 = 0.15;
 /// Tolerance of the factor of one axis about the mean, relative.
@@ -104,8 +108,8 @@ const FAST: [Change; 3] = [
     Change::Factor(UNIT_FACTORS[1]),
 ];
 
-/// Detects units of a record without attitude that turns far between samples, and fits in another unit. Tested before the fit,
-/// which would take minutes.
+/// Detects units of a record without attitude that turns far between samples, and whose beginning fits in another unit but not as it
+/// is declared; no gyro follows a turn of a radian between samples. Tested before the fit, which would take minutes.
 pub(crate) fn of_fast_record(model: &Model, tables: &[Table]) -> Option<Finding> {
     let turn = turn_per_reading(tables);
     let mut channels = tables.iter().flat_map(|t| &t.channels);
@@ -128,12 +132,17 @@ pub(crate) fn of_fast_record(model: &Model, tables: &[Table]) -> Option<Finding>
         all
     };
     let off = |change: Change| {
-        let off = distance(model, &put_right(change))?;
+        let off = explained(model, &put_right(change))?.off?;
         let nearest = !matches!(change, Change::Factor(x) if off > 0.5 * x.ln().abs());
         nearest.then_some((off, change))
     };
     let fits = FAST.into_iter().filter_map(off);
     let (_, change) = fits.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let followed =
+        turn < FOLLOWED && explained(model, &beginning(tables, BEGINNING / turn)).is_some();
+    if followed {
+        return None;
+    }
     let (channel, what, si, x) = match change {
         Change::Clock(x) => ("time_s", "times", "s", x),
         Change::Factor(x) => ("omega", "body rates", "rad/s", x),
@@ -164,11 +173,32 @@ fn turn_per_reading(tables: &[Table]) -> f64 {
     tables.iter().map(of).fold(0.0, f64::max)
 }
 
-/// How far the moments of inertia that fit tables are from the nominal ones, as the largest logarithm of their ratio: a spin about
-/// one axis fits with any factor of its rate, and its moment tells which. `None` where the fit determines none, or does not
-/// explain the record: chi-square is small, also compared with that of the rates themselves, as rates below the declared noise
-/// fit any model.
-fn distance(model: &Model, tables: &[Table]) -> Option<f64> {
+/// The first samples of tables, by the longest step between readings.
+fn beginning(tables: &[Table], samples: f64) -> Vec<Table> {
+    let mut all = tables.to_vec();
+    for table in &mut all {
+        let steps = table.channels.iter().filter_map(|c| median_step(&c.time_s));
+        let length_s = samples * steps.fold(0.0, f64::max);
+        for c in &mut table.channels {
+            let from = c.time_s.first().copied().unwrap_or_default();
+            let count = c.time_s.partition_point(|t| *t <= from + length_s);
+            c.time_s = c.time_s[..count].into();
+            c.values.truncate(count);
+        }
+    }
+    all
+}
+
+/// A fit that explains its tables.
+struct Explained {
+    /// How far the moments of inertia are from the nominal ones, as the largest logarithm of their ratio: a spin about one axis fits
+    /// with any factor of its rate, and its moment tells which. `None` where none is determined.
+    off: Option<f64>,
+}
+
+/// `None` where chi-square is not small, also compared with that of the rates themselves, as rates below the declared noise fit any
+/// model.
+fn explained(model: &Model, tables: &[Table]) -> Option<Explained> {
     let settings = Settings {
         undiagnosed: true,
         ..Settings::default()
@@ -177,12 +207,13 @@ fn distance(model: &Model, tables: &[Table]) -> Option<f64> {
         let found = maximum_likelihood_with(problem, settings)?;
         let answered = matches!(found.status, Status::Converged | Status::Partial);
         let left = found.fit.iter().map(|f| f.chi2_per_dof);
-        let left = left.fold(0.0, f64::max);
+        let left = left.reduce(f64::max).unwrap_or(f64::INFINITY);
         let explains = rates_over_noise(problem).is_some_and(|rates| left < UNEXPLAINED * rates);
         let asked = found.bodies.iter().filter(|b| b.asked);
         let moments = asked.flat_map(|b| MOMENTS.map(|k| factor(b, k)));
         let off = moments.flatten().map(f64::abs).reduce(f64::max);
-        Ok(off.filter(|_| answered && explains && left < settings.rejection))
+        let off = off.filter(|_| answered);
+        Ok((explains && left < settings.rejection).then_some(Explained { off }))
     };
     solve(model, tables, RELATIVE_ACCURACY, asked).ok()?
 }
