@@ -7,6 +7,7 @@
 use crate::Faults;
 use std::collections::BTreeSet;
 use std::fs::{self, File};
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -244,10 +245,27 @@ impl Drop for Stage {
     }
 }
 
-/// Locks a folder until the handle is dropped. Windows and some file systems have no such locks.
+/// Locks a folder until the handle is dropped. Windows and some file systems lock no folders: then the file that stands for it.
 fn locked(folder: &Path) -> Option<File> {
-    let folder = File::open(folder).ok()?;
-    folder.lock().ok().map(|()| folder)
+    let mut options = File::options();
+    let mut stand_in = || {
+        options
+            .read(true)
+            .append(true)
+            .create(true)
+            .open(stand_in(folder))
+    };
+    let lock = |file: File| file.lock().ok().map(|()| file);
+    let own = File::open(folder).ok().and_then(lock);
+    own.or_else(|| stand_in().ok().and_then(lock))
+}
+
+/// Path of an empty file among the temporary ones of this machine, named after a folder.
+fn stand_in(folder: &Path) -> PathBuf {
+    let mut name = DefaultHasher::new();
+    let whole = fs::canonicalize(folder);
+    whole.as_deref().unwrap_or(folder).hash(&mut name);
+    std::env::temp_dir().join(format!("poinsot-{:016x}.lock", name.finish()))
 }
 
 /// Copies the earlier file, so that the target is never missing. Returns whether there was one.
@@ -483,7 +501,18 @@ mod tests {
         assert_eq!(names(out), [".poinsot-notes", ".poinsot-young", "x"]);
     }
 
-    #[cfg(unix)]
+    #[test]
+    fn exact_a_file_stands_for_a_folder_that_cannot_be_opened() {
+        let folder = tempfile::tempdir().unwrap();
+        let gone = folder.path().join("gone");
+        let first = locked(&gone).unwrap();
+        let second = File::open(stand_in(&gone)).unwrap();
+        assert!(second.try_lock().is_err());
+        drop(first);
+        second.try_lock().unwrap();
+        fs::remove_file(stand_in(&gone)).unwrap();
+    }
+
     #[test]
     fn exact_a_second_writer_waits() {
         let folder = tempfile::tempdir().unwrap();
