@@ -1,8 +1,9 @@
 //! The plan of a campaign (`poinsot.plan/1`, TOML): experiments, methods, varied numbers, random numbers.
 
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
 /// Name and version of the format.
 pub const PLAN: &str = "poinsot.plan/1";
@@ -69,13 +70,17 @@ pub struct ExperimentFile {
     #[serde(default)]
     pub name: String,
     /// Case (poinsot.case/2), relative to the plan.
-    pub case: Option<String>,
+    #[serde(serialize_with = "readable")]
+    pub case: Option<PathBuf>,
     /// Noise-free telemetry, relative to the plan, instead of a case; needs model and truth.
-    pub record: Option<String>,
+    #[serde(serialize_with = "readable")]
+    pub record: Option<PathBuf>,
     /// Model with the true numbers. Default: that of the case.
-    pub truth: Option<String>,
+    #[serde(serialize_with = "readable")]
+    pub truth: Option<PathBuf>,
     /// Nominal model of the identification. Default: the true one.
-    pub model: Option<String>,
+    #[serde(serialize_with = "readable")]
+    pub model: Option<PathBuf>,
     /// Every n-th sample is used. Default 1.
     pub every: Option<u64>,
     /// Whether every trial draws the phase of the quantisation steps. Default true.
@@ -85,6 +90,11 @@ pub struct ExperimentFile {
     /// True constant bias of a sensor in its own axes, SI, by the name of the sensor; only for a record.
     #[serde(default)]
     pub bias: BTreeMap<String, Vec<f64>>,
+}
+
+/// A path as text. That of a plan made by a program need not be UTF-8.
+fn readable<S: Serializer>(path: &Option<PathBuf>, to: S) -> Result<S::Ok, S::Error> {
+    path.as_deref().map(Path::to_string_lossy).serialize(to)
 }
 
 /// A method of `identify`.

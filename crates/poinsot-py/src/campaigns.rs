@@ -52,10 +52,9 @@ impl CorePlan {
         model: Option<PathBuf>,
         seed: Option<u64>,
     ) -> PyResult<Self> {
-        let words = |path: &Path| path.to_string_lossy().into_owned();
         let request = SweepRequest {
-            case: words(&case),
-            model: model.as_deref().map(words),
+            case: case.clone(),
+            model,
             vary,
             methods,
             settings,

@@ -4,14 +4,15 @@ use crate::error::Error;
 use poinsot_formats::{
     Address, ExperimentFile, MethodFile, PLAN, PlanFile, ScaleFile, SettingFile, VaryFile,
 };
+use std::path::PathBuf;
 
 /// Arguments of `sweep`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SweepRequest {
-    /// Case; empty for a record.
-    pub case: String,
+    /// Case.
+    pub case: PathBuf,
     /// Nominal model; default: the model of the case.
-    pub model: Option<String>,
+    pub model: Option<PathBuf>,
     /// `ADDRESS=VALUES`: a list `1,2,5`, or a range `from:to:count` with equal differences, or `from:to:count:log`.
     pub vary: Vec<String>,
     /// `NAME`, or `NAME/VARIANT`.
@@ -34,7 +35,7 @@ pub struct SweepRequest {
 ///
 /// // Three rates of the rows, with equal ratios.
 /// let request = SweepRequest {
-///     case: "case.toml".to_owned(),
+///     case: "case.toml".into(),
 ///     vary: vec!["output.rate_hz=1:100:3:log".to_owned()],
 ///     methods: vec!["linear".to_owned()],
 ///     trials: 10,
@@ -133,7 +134,7 @@ mod tests {
 
     fn request(vary: &str, set: &str) -> SweepRequest {
         SweepRequest {
-            case: "case.toml".to_owned(),
+            case: "case.toml".into(),
             vary: vec![vary.to_owned()],
             methods: vec!["auto".to_owned(), "xu2017/linear".to_owned()],
             settings: vec![set.to_owned()],

@@ -10,10 +10,9 @@ use std::path::Path;
 
 pub fn run(arguments: &Sweep) -> Outcome {
     poinsot::start_threads()?;
-    let text = |path: &Path| path.to_string_lossy().into_owned();
     let file = sweep_plan(&SweepRequest {
-        case: text(&arguments.case),
-        model: arguments.model.as_deref().map(text),
+        case: arguments.case.clone(),
+        model: arguments.model.clone(),
         vary: arguments.vary.clone(),
         methods: arguments.method.clone(),
         settings: arguments.set.clone(),

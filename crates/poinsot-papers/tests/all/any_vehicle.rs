@@ -12,7 +12,7 @@ const TRIALS: u64 = 12;
 fn sweep(case: &str, methods: &[&str], settings: &[&str]) -> CampaignFile {
     let words = |list: &[&str]| list.iter().map(|w| (*w).to_owned()).collect();
     let file = sweep_plan(&SweepRequest {
-        case: case.to_owned(),
+        case: case.into(),
         vary: vec!["noise=1,4".to_owned()],
         methods: words(methods),
         settings: words(settings),

@@ -70,7 +70,7 @@ impl Experiment {
                 return Ok(None);
             }
         };
-        let path = |name: &Option<String>| name.as_ref().map(|n| folder.join(n));
+        let path = |name: &Option<PathBuf>| name.as_ref().map(|n| folder.join(n));
         let of_case = case.as_ref().map(|c| c.model.clone());
         let truth = path(&file.truth).or(of_case).unwrap_or_default();
         let nominal = path(&file.model).unwrap_or_else(|| truth.clone());
@@ -97,7 +97,7 @@ impl Experiment {
         }
         let case = case.map(|c| Document::new(c.path().to_owned(), c.text().to_owned()));
         let named = file.case.as_ref().or(file.record.as_ref());
-        let stem = named.map(Path::new).and_then(Path::file_stem);
+        let stem = named.and_then(|path| path.file_stem());
         Ok(Some(Self {
             name: match file.name.as_str() {
                 "" => stem.unwrap_or_default().to_string_lossy().into_owned(),

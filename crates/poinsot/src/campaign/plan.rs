@@ -113,7 +113,7 @@ pub fn parse_plan(path: &Path, text: String) -> Result<Plan, Error> {
 ///
 /// // The box of the folder `doc` with two rates of its rows.
 /// let request = SweepRequest {
-///     case: "case.toml".to_owned(),
+///     case: "case.toml".into(),
 ///     vary: vec!["output.rate_hz=5,10".to_owned()],
 ///     methods: vec!["linear".to_owned()],
 ///     trials: 10,

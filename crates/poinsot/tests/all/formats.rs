@@ -257,7 +257,7 @@ fn exact_names_of_results_are_addresses_of_plans() {
         let parts = Address::parse(name);
         assert!(["bus", "gyro"].contains(&parts.owner()), "{name}");
         let request = poinsot::sweep::SweepRequest {
-            case: shipped.join("tug_thrusters.toml").display().to_string(),
+            case: shipped.join("tug_thrusters.toml"),
             vary: vec![format!("{name}=1e-5,2e-5")],
             methods: vec!["linear".to_owned()],
             trials: 1,
