@@ -30,12 +30,17 @@ pub struct Arguments {
     /// Memory that the work may need by its estimate, MiB. Default: 80 % of what is free.
     #[arg(long, value_name = "MIB", global = true, value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
     pub limit_memory: Option<u64>,
-    /// Hours that the work may take by the least estimate of its time.
-    #[arg(long, value_name = "HOURS", global = true, default_value_t = 24, value_parser = clap::value_parser!(u64).range(1..=1 << 20))]
-    pub limit_hours: u64,
+    /// Hours that the work may take: it ends where it has taken longer, or will by the least estimate of its time.
+    #[arg(long, value_name = "HOURS", global = true, default_value_t = 24.0, value_parser = hours)]
+    pub limit_hours: f64,
     /// What to do.
     #[command(subcommand)]
     pub verb: Verb,
+}
+
+fn hours(text: &str) -> Result<f64, String> {
+    let hours = text.parse().ok().filter(|h| (0.0..=1e6).contains(h));
+    hours.ok_or_else(|| "write a number of hours, at most 1e6".to_owned())
 }
 
 /// The commands.

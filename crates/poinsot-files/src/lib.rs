@@ -5,7 +5,7 @@
 //!
 //! # Files
 //! - `fault.rs`: code, place, value, problem and advice of an error as data, and its line of text.
-//! - `budget.rs`: refuses work whose estimated memory is above a limit.
+//! - `budget.rs`: refuses work whose estimated memory or time is above a limit.
 //! - `input.rs`: opens every input: a regular file, up to a size limit.
 //! - `stage.rs`: drafts in a hidden folder. Earlier files are kept until all drafts are in place, and restored on
 //!   failure. Folders of killed runs are removed.
@@ -20,7 +20,9 @@ mod numbers;
 mod plain;
 mod stage;
 
-pub use budget::{check_memory, check_time, limit_hours, limit_memory, memory_limit};
+pub use budget::{
+    Pace, check_memory, check_time, limit_hours, limit_memory, memory_limit, stated, time_limit,
+};
 pub use fault::{Fault, FaultKind, Faults, Place, io_advice};
 pub use input::{InputError, open, read, read_text, spooled, standard_input};
 pub use nearest::nearest;

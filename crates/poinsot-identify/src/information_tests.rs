@@ -414,6 +414,7 @@ fn slopes_of(model: &Model, translation: bool, loss: Loss) -> Vec<(String, f64, 
         segments: &segments,
         noise: &noise,
         relative_accuracy: 1.0,
+        pace: None,
     };
     let parameters = Parameters::new(model, &tree, Equations::Momentum, true).unwrap();
     let mut experiment = Experiment::new(&problem, &parameters);
@@ -566,6 +567,7 @@ fn unit_readings_that_are_missing_or_cut_short_are_no_panic() {
             segments: &segments,
             noise: &noise,
             relative_accuracy: 1.0,
+            pace: None,
         };
         let estimate = linear(&problem).unwrap();
         assert_eq!(estimate.method, "linear");

@@ -28,6 +28,7 @@ fn asked(gated: &Gated, relative_accuracy: f64) -> Problem<'_> {
         segments: &gated.bound.segments,
         noise: &gated.bound.noise,
         relative_accuracy,
+        pace: None,
     }
 }
 

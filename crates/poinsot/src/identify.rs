@@ -8,7 +8,7 @@ use crate::methods::{is_own, methods};
 use crate::progress::step;
 use crate::{mixups, motor_torque};
 use poinsot_dynamics::Tree;
-use poinsot_files::check_memory;
+use poinsot_files::{Pace, check_memory};
 use poinsot_formats::{ModelInputFile, sha256};
 use poinsot_identify::{
     Coordinates, Effect, Estimate, Loss, Modes, Prediction, Problem, Remark, RemarkKind, Settings,
@@ -312,11 +312,16 @@ fn read_records(
         options.origin = table.origin;
         tables.push(table);
     }
-    let channels = tables.iter().flat_map(|table| &table.channels);
-    let samples: usize = channels.map(|channel| channel.values.len()).sum();
+    let samples = samples(&tables);
     let what = format!("the fits of {samples} samples");
     check_memory(&what, (samples * OF_SAMPLE) as f64)?;
     Ok(tables)
+}
+
+/// Number of samples of all records.
+fn samples(tables: &[Table]) -> usize {
+    let channels = tables.iter().flat_map(|table| &table.channels);
+    channels.map(|channel| channel.values.len()).sum()
 }
 
 /// Input of a separate estimator: the model and its records after the same checks as [`identify`].
@@ -549,27 +554,31 @@ fn against_model(
 fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Identified, Error> {
     let tree = Tree::new(&model);
     let bound = bind(&model, &tree, &tables)?;
+    let pace = Pace::new(format!("the fits of {} samples", samples(&tables)));
     let problem = Problem {
         relative_accuracy: question.relative_accuracy,
+        pace: Some(&pace),
         ..bound.problem(&model, &tree)
     };
     refuse_unsupported(&model, question)?;
     let points = (CURVE_POINTS.1 / tables.len().max(1)).clamp(100, CURVE_POINTS.0);
-    let (mut estimate, predictions) = match question.method.as_str() {
-        "linear" => linear_predicted(&problem, points)?,
+    let predicted = match question.method.as_str() {
+        "linear" => linear_predicted(&problem, points),
         name if method(name).is_some() => {
-            let estimate = estimate_by(&problem, question, true)?;
-            let predictions = predicted_by(&problem, &answered(&model, &estimate), points)?;
-            (estimate, predictions)
+            estimate_by(&problem, question, true).and_then(|estimate| {
+                let predictions = predicted_by(&problem, &answered(&model, &estimate), points)?;
+                Ok((estimate, predictions))
+            })
         }
-        _ => {
-            let settings = settings(question, true);
-            let (mut estimate, predictions) =
-                maximum_likelihood_predicted(&problem, settings, points)?;
-            estimate.variant.clone_from(&question.variant);
-            (estimate, predictions)
-        }
+        _ => maximum_likelihood_predicted(&problem, settings(question, true), points).map(
+            |(mut estimate, predictions)| {
+                estimate.variant.clone_from(&question.variant);
+                (estimate, predictions)
+            },
+        ),
     };
+    pace.over()?;
+    let (mut estimate, predictions) = predicted?;
     known_as_exact(&model, &mut estimate);
     let findings = motor_torque::contradictions((&model, &tree), &tables, &bound);
     if bound.dropped > ALLOWED_LOSS {

@@ -8,10 +8,9 @@ use crate::case::{Case, Format, SIMULATED, Scenario, read_case};
 use crate::channel_names::names;
 use crate::error::{Error, no_motion};
 use crate::progress::step;
-use crate::threads::{processor_time, since};
 use crate::written::{check_outputs, result_json};
 use poinsot_dynamics::{Flight, Halt, MotionError, MotionSample, Tree, Vehicle, WheelUse};
-use poinsot_files::{Place, Stage};
+use poinsot_files::{Pace, Place, Stage};
 use poinsot_formats::{TruthFile, sha256_of};
 use poinsot_model::{Joint, Model, Nuisance, SensorKind, read_model};
 use poinsot_spatial::InertialParameters;
@@ -24,9 +23,6 @@ pub(crate) use truth::{mass as true_mass, scalar_errors};
 
 /// Samples between two progress reports.
 const REPORTED: usize = 500;
-/// Time of the first rows, s, from which that of all is estimated, and how many times as long as others they may take.
-const BEGUN: f64 = 1.0;
-const UNEVEN: f64 = 3.0;
 
 /// Telemetry with its true values.
 #[derive(Debug, Clone)]
@@ -365,21 +361,9 @@ pub fn run(
     scenario: &Scenario,
     mut take: impl FnMut(&MotionSample) -> bool,
 ) -> Result<Vec<WheelUse>, Error> {
-    let (begun, rows) = (processor_time(), scenario.times.count());
-    let (mut taken, mut slow) = (0_usize, None);
-    let paced = |sample: &MotionSample| {
-        taken += 1;
-        let spent = if taken.is_power_of_two() {
-            since(begun)
-        } else {
-            0.0
-        };
-        if spent > BEGUN {
-            let least = spent * rows as f64 / taken as f64 / UNEVEN;
-            slow = case.check_seconds(rows, least).err();
-        }
-        slow.is_none() && take(sample)
-    };
+    let rows = scenario.times.count();
+    let pace = Pace::new(case.words(rows));
+    let paced = |sample: &MotionSample| pace.check(1, rows).is_ok() && take(sample);
     let mut vehicle = Vehicle::from(model);
     if let Some(bodies) = bodies {
         vehicle.bodies = bodies.to_vec();
@@ -387,7 +371,8 @@ pub fn run(
     let used = Flight::new(vehicle, &scenario.plan, case.tolerance)
         .and_then(|flight| flight.run_while(&scenario.start, scenario.times.clone(), paced))
         .map_err(|error| refusal(case, model, error))?;
-    slow.map_or(Ok(used), Err)
+    pace.over()?;
+    Ok(used)
 }
 
 /// The error names the joint that cannot move.

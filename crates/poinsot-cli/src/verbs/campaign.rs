@@ -7,7 +7,7 @@ use poinsot::campaign::{
     slurm_scripts,
 };
 use poinsot::{Error, ErrorKind, check_outputs, thread_count, write_files};
-use poinsot_files::{Fault, Place};
+use poinsot_files::{Fault, Place, memory_limit, time_limit};
 use poinsot_formats::{CampaignFile, WrittenFile};
 use poinsot_report::{campaign_document, cost_document};
 use std::path::Path;
@@ -127,6 +127,9 @@ fn supervised(arguments: &Campaign, plan: &Plan, out: &Path, processes: u64) -> 
         Error::io(Path::new("poinsot"), what, &source)
     })?;
     let threads = (thread_count() as u64 / processes).max(1).to_string();
+    let hours = time_limit().to_string();
+    let memory = memory_limit() / f64::from(1 << 20) / processes as f64;
+    let memory = memory.max(1.0).floor().to_string();
     let start = |share: u64| {
         Command::new(&program)
             .arg("campaign")
@@ -134,6 +137,7 @@ fn supervised(arguments: &Campaign, plan: &Plan, out: &Path, processes: u64) -> 
             .arg("--out")
             .arg(out)
             .args(["--trials", &plan.trials.to_string()])
+            .args(["--limit-hours", &hours, "--limit-memory", &memory])
             .args(["--resume", "--quiet", "--shard"])
             .arg(format!("{share}/{processes}"))
             .env("RAYON_NUM_THREADS", &threads)

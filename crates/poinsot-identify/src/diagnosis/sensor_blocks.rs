@@ -295,6 +295,7 @@ angular_N_m_s = "estimate"
             segments: &segments,
             noise: &noise,
             relative_accuracy: 1.0,
+            pace: None,
         };
         let parameters = problem.likelihood_parameters().unwrap();
         let experiment = Experiment::new(&problem, &parameters);

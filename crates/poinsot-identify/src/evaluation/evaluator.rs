@@ -138,6 +138,7 @@ pub struct Evaluation {
 ///     segments: &segments,
 ///     noise: &noise,
 ///     relative_accuracy: 1.0,
+///     pace: None,
 /// };
 /// let evaluator = Evaluator::new(&problem)?;
 /// let mut x = evaluator.nominal();

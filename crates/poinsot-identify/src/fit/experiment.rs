@@ -269,8 +269,11 @@ impl<'a> Experiment<'a> {
         })
     }
 
-    /// All segments at a point; `None` where the vehicle cannot move as predicted.
+    /// All segments at a point; `None` where the vehicle cannot move as predicted, or no time is left.
     pub fn evaluate(&self, at: &Iterate, with_sensitivities: bool) -> Option<Vec<Evaluated>> {
+        if !self.problem.has_time() {
+            return None;
+        }
         if !self.parameters.has_known() {
             return self.evaluate_here(at, with_sensitivities);
         }

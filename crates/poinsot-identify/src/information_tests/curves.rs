@@ -34,6 +34,7 @@ fn exact_curves_have_the_residuals_of_the_fit() {
         segments: &segments,
         noise: &noise,
         relative_accuracy: 1.0,
+        pace: None,
     };
     let parameters = Parameters::new(&model, &tree, Equations::Momentum, true).unwrap();
     let mut experiment = Experiment::new(&problem, &parameters);

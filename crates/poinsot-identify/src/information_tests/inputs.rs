@@ -151,6 +151,7 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
             segments: std::slice::from_ref(segment),
             noise,
             relative_accuracy: 1.0,
+            pace: None,
         };
         let mut experiment = Experiment::new(&problem, &parameters);
         experiment.alternative.wheels = match case.smooth {

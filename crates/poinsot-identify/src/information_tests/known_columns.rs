@@ -92,6 +92,7 @@ fn exact_columns_of_known_numbers_are_differences_of_predictions() {
             segments: &segments,
             noise: &noise,
             relative_accuracy: 1.0,
+            pace: None,
         };
         let parameters = Parameters::new(&model, &tree, Equations::Momentum, true).unwrap();
         let experiment = Experiment::new(&problem, &parameters);
@@ -143,6 +144,7 @@ fn exact_columns_of_firings_play_and_propellant_are_differences_of_predictions()
         segments: &segments,
         noise: &noise,
         relative_accuracy: 1.0,
+        pace: None,
     };
     let parameters = Parameters::new(&model, &tree, Equations::Momentum, true).unwrap();
     let experiment = Experiment::new(&problem, &parameters);
@@ -250,6 +252,7 @@ fn exact_predicted_samples_have_the_columns_of_measured_ones() {
         segments: &segments,
         noise: &noise,
         relative_accuracy: 1.0,
+        pace: None,
     };
     let parameters = Parameters::new(&model, &tree, Equations::Momentum, true).unwrap();
     let mut experiment = Experiment::new(&problem, &parameters);
@@ -305,6 +308,7 @@ fn regress_a_mass_centre_that_no_sample_shows_has_no_column() {
         segments: &segments,
         noise: &noise,
         relative_accuracy: 1.0,
+        pace: None,
     };
     let parameters = Parameters::new(&model, &tree, Equations::Momentum, false).unwrap();
     let experiment = Experiment::new(&problem, &parameters);

@@ -36,6 +36,7 @@ fn exact_two_threads_give_the_bits_of_one() {
             segments: &segments,
             noise: &noise,
             relative_accuracy: 1.0,
+            pace: None,
         };
         let experiment = Experiment::new(&problem, &parameters);
         let mut point = experiment.nominal_point();

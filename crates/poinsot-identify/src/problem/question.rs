@@ -4,7 +4,7 @@ use crate::problem::parameters::{Equations, Parameters, Registry};
 use crate::problem::refusal::{self, NO_VELOCITY, too_few_samples, too_many};
 use crate::problem::segment::{Noise, Observations, Segment};
 use poinsot_dynamics::Tree;
-use poinsot_files::Faults;
+use poinsot_files::{Faults, Pace};
 use poinsot_model::{JointKind, Model};
 
 /// The identification problem: a vehicle and its segments of telemetry.
@@ -20,7 +20,12 @@ pub struct Problem<'a> {
     pub noise: &'a Noise,
     /// Half-width of the 95 % interval in natural units up to which a number is given (docs/reference/interface.md: 1.0).
     pub relative_accuracy: f64,
+    /// The pace of its evaluations; where it is over, no vehicle can move any more. `None`: without a limit of time.
+    pub pace: Option<&'a Pace>,
 }
+
+/// Fewest evaluations of a fit.
+const EVALUATIONS: usize = 8;
 
 /// Half-width of a normal's 95 % interval, sigmas.
 pub(crate) const INTERVAL: f64 = 1.96;
@@ -36,6 +41,11 @@ impl<'a> Problem<'a> {
 }
 
 impl Problem<'_> {
+    /// Whether there is time for one more evaluation.
+    pub(crate) fn has_time(&self) -> bool {
+        self.pace.is_none_or(|p| p.check(1, EVALUATIONS).is_ok())
+    }
+
     /// Sigma in natural units up to which a number is given.
     pub(crate) fn largest_sigma(&self) -> f64 {
         self.relative_accuracy / INTERVAL

@@ -80,6 +80,7 @@ fn solved(model: &Model, tree: &Tree, segment: &Segment) -> Estimate {
         segments: std::slice::from_ref(segment),
         noise: &noise,
         relative_accuracy: 1.0,
+        pace: None,
     })
     .unwrap()
 }

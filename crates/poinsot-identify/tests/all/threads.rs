@@ -117,6 +117,7 @@ fn exact_the_same_bits_on_1_2_3_and_8_threads() {
         segments: &segments,
         noise: &noise,
         relative_accuracy: 1.0,
+        pace: None,
     };
     for (name, method) in [
         ("linear", linear as fn(&Problem) -> _),

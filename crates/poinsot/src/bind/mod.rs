@@ -58,6 +58,7 @@ impl Bound {
             segments: &self.segments,
             noise: &self.noise,
             relative_accuracy: RELATIVE_ACCURACY,
+            pace: None,
         }
     }
 }
@@ -237,6 +238,7 @@ fn bind_piece(
         return Ok((None, complete.len()));
     }
     let samples: Samples = aligned.take(&complete);
+    drop(aligned);
     let firings = observe::firings(channels, &samples);
     let observations = observe::observe(channels, &samples, &firings);
     let accelerations = motion::accelerations(channels, &samples);

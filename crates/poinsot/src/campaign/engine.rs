@@ -10,7 +10,7 @@ use super::trial::{Prepared, at_once};
 use crate::error::Error;
 use crate::progress::step;
 use crate::trials::Row;
-use poinsot_files::{Place, check_time};
+use poinsot_files::{Pace, Place, check_time};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
@@ -30,7 +30,8 @@ struct Active {
 /// Runs shards into the folder of a campaign; `watch` is called after each.
 ///
 /// # Errors
-/// Writing fails, or an experiment cannot be simulated. Finished shards are kept.
+/// Writing fails, an experiment cannot be simulated, or by the time of the first trials all of them take longer than the
+/// limit (E0006). Finished shards are kept.
 ///
 /// ```
 #[doc = include_str!("../../doc/plan.txt")]
@@ -60,7 +61,9 @@ pub(super) fn run_each(
 ) -> Result<(), Error> {
     let total: usize = shards.iter().map(|s| size(&plan.shard(*s))).sum();
     let seconds = total as f64 * plan.seconds / rayon::current_num_threads() as f64;
-    check_time(&format!("the {total} trials"), seconds)?;
+    let what = format!("the {total} trials");
+    check_time(&what, seconds)?;
+    let pace = Pace::new(what);
     let pieces = Mutex::new(pieces(plan, shards));
     let failure: Mutex<Option<Error>> = Mutex::new(None);
     let count = AtomicUsize::new(0);
@@ -74,6 +77,7 @@ pub(super) fn run_each(
             let done = count.fetch_add(many, Ordering::Relaxed) + many;
             step("trials", done, total);
             let taken = finished.and_then(|result| result.map_or(Ok(()), take));
+            let taken = taken.and_then(|()| Ok(pace.check(many, total)?));
             if let Err(error) = taken {
                 locked(&failure).get_or_insert(error);
             }

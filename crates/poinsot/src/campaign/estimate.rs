@@ -6,6 +6,7 @@ use super::shard::ShardResult;
 use super::trial::{Prepared, at_once};
 use crate::error::Error;
 use crate::trials::Row;
+use poinsot_files::stated;
 use poinsot_formats::CampaignCost;
 use poinsot_telemetry::RowCells;
 
@@ -61,7 +62,7 @@ fn measured_cost(plan: &Plan) -> Result<CampaignCost, Error> {
         name: plan.name.clone(),
         seconds,
         bytes,
-        memory: memory(),
+        memory: stated("/proc/self/status", "VmHWM:", 1024.0).map(|bytes| bytes as u64),
         trials: plan.trials.saturating_mul(cells),
         block: (in_time(SHARD_S[0]), in_time(SHARD_S[1])),
         planned_block: plan.block,
@@ -76,12 +77,4 @@ fn bytes_of(result: &ShardResult) -> f64 {
         RowCells::Text(_) => 0,
     };
     8.0 * result.rows.iter().map(cells).sum::<usize>() as f64
-}
-
-/// Peak resident memory of this process, bytes.
-fn memory() -> Option<u64> {
-    let status = poinsot_files::read_text("/proc/self/status".as_ref(), 1 << 20).ok()?;
-    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
-    let kib: u64 = line.split_whitespace().next()?.parse().ok()?;
-    Some(kib << 10)
 }

@@ -94,7 +94,7 @@ impl Case {
     pub(crate) fn check_time(&self, model: &Model, of_number: f64) -> Result<f64, Error> {
         let rows = self.times().count();
         let seconds = of_number * numbers(model, rows);
-        self.check_seconds(rows, seconds)?;
+        check_time(&self.words(rows), seconds)?;
         Ok(seconds)
     }
 
@@ -114,12 +114,8 @@ impl Case {
         self.check_time(model, FITTED_S)
     }
 
-    /// Checks that so many seconds are there for so many rows.
-    pub(crate) fn check_seconds(&self, rows: usize, seconds: f64) -> Result<(), Error> {
-        check_time(&self.words(rows), seconds)
-    }
-
-    fn words(&self, rows: usize) -> String {
+    /// Its rows in words.
+    pub(crate) fn words(&self, rows: usize) -> String {
         let path = self.path().display();
         format!("the {} rows of {path}", rounded(rows as f64, 4))
     }

@@ -32,6 +32,7 @@ fn problem<'a>(record: &'a (Model, Tree, Vec<Segment>, Noise)) -> Problem<'a> {
         segments: &record.2,
         noise: &record.3,
         relative_accuracy: 1.0,
+        pace: None,
     }
 }
 
@@ -253,6 +254,7 @@ fn stat_thrust_that_changes_every_sample_costs_time_linear_in_the_samples() {
             segments: &segments,
             noise: &noise,
             relative_accuracy: 1.0,
+            pace: None,
         };
         let evaluator = Evaluator::new(&problem).unwrap();
         let x = evaluator.nominal();

@@ -93,6 +93,7 @@ impl Data {
             segments: &self.segments,
             noise: &self.noise,
             relative_accuracy: ACCURACY,
+            pace: None,
         }
     }
 

@@ -320,6 +320,7 @@ fn ask(
             segments: &[segment(run)],
             noise: &noise(seen),
             relative_accuracy: 1.0,
+            pace: None,
         },
         variant,
     )
