@@ -107,7 +107,11 @@ pub fn predict_all(
         }
         Ok(prediction)
     };
-    let all: Vec<Result<Prediction, Error>> = cases.par_iter().map(one).collect();
+    // The evaluations of a single case keep the cores busy outside of the pool.
+    let all: Vec<Result<Prediction, Error>> = match cases {
+        [only] => vec![one(only)],
+        _ => cases.par_iter().map(one).collect(),
+    };
     all.into_iter().collect()
 }
 

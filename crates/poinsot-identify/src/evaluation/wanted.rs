@@ -9,7 +9,7 @@ use crate::problem::refusal::no_motion;
 use crate::problem::{Problem, ProblemError};
 use faer::Mat;
 use nalgebra::{DMatrix, DVector};
-use poinsot_solve::BlockQr;
+use poinsot_solve::{BlockQr, LeastSquares};
 
 /// Sigma in natural units that stands for "not identifiable": large enough to leave identifiable numbers unchanged, and
 /// finite, so that a search can rank manoeuvres.
@@ -101,7 +101,10 @@ impl Information {
     ) -> Result<Self, ProblemError> {
         let information = Self::of(problem, with_priors)?;
         let experiment = Experiment::new(problem, &information.parameters);
-        let other = OtherWheelMotion::expected(&experiment, &experiment.nominal_point());
+        let at = experiment.nominal_point();
+        let held = problem.assumes_wheel_motion();
+        let held = held.then(|| experiment.linearise(&at)).flatten();
+        let other = held.and_then(|held| OtherWheelMotion::expected(&experiment, &at, &held));
         Ok(Self {
             other,
             ..information

@@ -58,20 +58,21 @@ impl OtherWheelMotion {
     }
 
     /// What a prediction expects of the choice: measurements without noise, of a vehicle with these unknowns. The difference
-    /// of -2 ln L of noisy ones then scatters about its value D here with a sigma of 2 sqrt(D).
-    pub fn expected(experiment: &Experiment, at: &Iterate) -> Option<Self> {
+    /// of -2 ln L of noisy ones then scatters about its value D here with a sigma of 2 sqrt(D). `held` is the experiment there,
+    /// with constant torques of the wheels.
+    pub fn expected(
+        experiment: &Experiment,
+        at: &Iterate,
+        held: &Linearised<Linearisation>,
+    ) -> Option<Self> {
         if !experiment.problem.assumes_wheel_motion() {
             return None;
         }
-        let linearised = |wheels| {
-            let alternative = experiment.alternative.with(wheels);
-            experiment.under(alternative).linearise(at)
-        };
-        let held = linearised(BetweenSamples::Held)?;
-        let smooth = linearised(BetweenSamples::Smooth)?;
-        let difference = least(&held) - least(&smooth);
+        let smooth = experiment.alternative.with(BetweenSamples::Smooth);
+        let smooth = experiment.under(smooth).linearise(at)?;
+        let difference = least(held) - least(&smooth);
         let far = (0.5 * difference.abs().sqrt()).min(f64::MAX);
-        let [a, b] = [&held, &smooth].map(|h| step(experiment, at, &h.rows));
+        let [a, b] = [held, &smooth].map(|h| step(experiment, at, &h.rows));
         Some(Self {
             probability: Normal::standard().cdf(-far),
             step: a.iter().zip(&b).map(|(a, b)| a - b).collect(),
@@ -130,7 +131,8 @@ impl<'a> AlternativeFit<'a> {
 
     /// The better of the fits with this and with another motion of joints at rest.
     pub fn or_other_rest_motion(self) -> Self {
-        let Some(share) = better_rest_motion(&self.experiment, &self.fitted) else {
+        let at = &self.fitted.at;
+        let Some(share) = better_rest_motion(&self.experiment, at, self.cost()) else {
             return self;
         };
         let experiment = self.experiment.resting(share);
@@ -270,18 +272,16 @@ impl<'a> AlternativeFit<'a> {
 }
 
 /// The motion of joints at rest that the likelihood prefers where a fit ended; `None` where that is the one it had.
-pub(crate) fn better_rest_motion(experiment: &Experiment, fitted: &Fitted) -> Option<f64> {
+pub(crate) fn better_rest_motion(experiment: &Experiment, at: &Iterate, cost: f64) -> Option<f64> {
     if !may_rest(experiment.problem) {
         return None;
     }
     let own = experiment.alternative.rest_motion;
     let others = REST_MOTIONS.into_iter().filter(|share| *share != own);
-    let mut best = (experiment.cost_of(fitted), own);
+    let mut best = (cost, own);
     for share in others {
         let other = experiment.resting(share);
-        let evaluated = other.evaluate(&fitted.at, false);
-        let cost = evaluated.and_then(|e| other.chi2(&fitted.at, &e));
-        if let Some(cost) = cost.filter(|cost| *cost < best.0) {
+        if let Some(cost) = other.cost(at).filter(|cost| *cost < best.0) {
             best = (cost, share);
         }
     }

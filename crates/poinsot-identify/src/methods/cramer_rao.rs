@@ -4,13 +4,14 @@ use crate::answer;
 use crate::diagnosis::Diagnostics;
 use crate::fit::alternatives::{OtherWheelMotion, better_rest_motion};
 use crate::fit::experiment::Experiment;
-use crate::fit::fit_from;
+use crate::fit::fit_on;
 use crate::fit::known_numbers::known_at;
 use crate::fit::profile::profiled;
 use crate::methods::maximum_likelihood::{conclude, proportional};
 use crate::problem::refusal::no_motion;
 use crate::problem::{Problem, ProblemError};
 use crate::solution::estimate::Estimate;
+use poinsot_solve::LeastSquares;
 
 /// Information of the experiment at the model's own numbers, assumed true; the segments have ideal measurements, the
 /// noise is the declared one.
@@ -64,22 +65,20 @@ fn bound(problem: &Problem, knowledge: Knowledge) -> Result<Estimate, ProblemErr
     problem.check_observations()?;
     let parameters = problem.likelihood_parameters()?;
     let mut experiment = Experiment::new(problem, &parameters);
-    let evaluated = |experiment: &Experiment| {
-        let at_truth = fit_from(experiment, experiment.nominal_point(), 0);
-        at_truth.ok_or_else(no_motion)
-    };
-    let mut at_truth = evaluated(&experiment)?;
-    if let Some(share) = better_rest_motion(&experiment, &at_truth) {
+    let at = experiment.nominal_point();
+    let mut here = experiment.linearise(&at).ok_or_else(no_motion)?;
+    if let Some(share) = better_rest_motion(&experiment, &at, here.cost) {
         experiment = experiment.resting(share);
-        at_truth = evaluated(&experiment)?;
+        here = experiment.linearise(&at).ok_or_else(no_motion)?;
     }
     let (other, known) = match knowledge {
         Knowledge::Exact => (None, None),
         Knowledge::Declared => (
-            OtherWheelMotion::expected(&experiment, &at_truth.at),
-            known_at(&experiment, &at_truth.at),
+            OtherWheelMotion::expected(&experiment, &at, &here),
+            known_at(&experiment, &at),
         ),
     };
+    let at_truth = fit_on(&experiment, at, here, 0).ok_or_else(no_motion)?;
     let wide = known.as_ref().map(|k| k.experiment(&experiment));
     let (experiment, mut at_truth) = match (&wide, &known) {
         (Some(wide), Some(known)) => (wide, known.fitted.clone()),

@@ -174,8 +174,8 @@ fn errors(channel: &Channel, sensor: Option<&Sensor>, grid: &[f64], brakes: bool
                 rests: w[0] >= from - tolerance && w[1] <= to + tolerance,
             }
         })
+        .chain([correlated(0.0)])
         .collect();
-    memory.push(correlated(0.0));
     let places = places(&channel.time_s, grid);
     let pairs = memory.iter_mut().zip(&places);
     pairs.for_each(|(e, place)| e.read = place.share == 0.0);

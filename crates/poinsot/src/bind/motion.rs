@@ -335,7 +335,9 @@ impl Inputs {
     pub fn rows(&self, picked: &[usize]) -> InputRows {
         let rows = |columns: &[Column]| -> Vec<f64> {
             let row = |&k: &usize| columns.iter().map(move |c| c[k].unwrap_or(0.0));
-            picked.iter().flat_map(row).collect()
+            let mut all = Vec::with_capacity(picked.len() * columns.len());
+            all.extend(picked.iter().flat_map(row));
+            all
         };
         InputRows {
             joint_position: rows(&self.joint_position),

@@ -149,6 +149,8 @@ impl<'a> SensorColumns<'a> {
         let (mut time_s, mut at) = (Vec::new(), Vec::new());
         let mut next = [0; 4];
         let times = parts.first().map_or(&[][..], |first| &first.time_s);
+        time_s.reserve_exact(times.len());
+        at.reserve_exact(times.len());
         for (i, t) in times.iter().enumerate() {
             next[0] = i;
             let complete = parts.iter().zip(&mut next).skip(1).all(|(part, next)| {
@@ -208,14 +210,15 @@ impl<'a> SensorColumns<'a> {
         };
         let declared = self.sensor.map(|k| &model.sensors[k]);
         let references = declared.map(|s| self.references(s)).unwrap_or_default();
-        let samples = self.time_s.iter().enumerate();
-        let samples = samples.filter_map(|(i, t)| {
+        let mut samples = Vec::with_capacity(self.time_s.len());
+        let own = self.time_s.iter().enumerate();
+        samples.extend(own.filter_map(|(i, t)| {
             Some(SensorSample {
                 from: at(starts.get(i).copied().unwrap_or(*t))?,
                 to: at(*t)?,
                 value: self.value(i, (origin, &references))?,
             })
-        });
+        }));
         let noise = declared.and_then(covariance).unwrap_or_default();
         SensorRecord {
             sensor: self.sensor,
@@ -229,7 +232,7 @@ impl<'a> SensorColumns<'a> {
                 };
                 s.slow.iter().map(turned).collect()
             }),
-            samples: samples.collect(),
+            samples,
             name: declared.map_or_else(|| self.kind.word().to_owned(), |s| label(model, s)),
             // Samples are in body axes, but sensor errors are in sensor axes.
             ..SensorRecord::of_base(self.kind, declared.map_or(noise, |s| in_body(s, noise)))

@@ -160,7 +160,8 @@ impl Recorder {
                     own.map(|(_, t)| t + lag_s).collect()
                 });
             for (name, values) in group.names.iter().zip(&mut group.values) {
-                let (name, values) = (name.clone(), std::mem::take(values));
+                let (name, mut values) = (name.clone(), std::mem::take(values));
+                values.shrink_to_fit();
                 let count = readers.get(&name).copied().unwrap_or(0);
                 let exact = group.sensor.is_none();
                 let wanted = self.commanded.as_ref().is_none_or(|c| c.contains(&name));
