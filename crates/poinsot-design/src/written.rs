@@ -6,14 +6,10 @@ use crate::shape::Space;
 use poinsot::case::{Case, Design, parse_case};
 use poinsot::{Error, digests, result_json, write_files};
 use poinsot_dynamics::{Firing, Jet, JointDrive, Tree, WheelMotion, thrust_held};
-use poinsot_files::read_text;
 use poinsot_formats::case::{CaseFile, FiringFile, JointMotionFile, LimitsFile, WheelMotionFile};
-use poinsot_model::{JointKind, Model};
+use poinsot_model::{JointKind, Model, read_model_text};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-
-/// Largest model file that is copied, bytes.
-const LARGEST_MODEL: u64 = 16 << 20;
 
 /// The case with the designed motions replacing its own; `model.toml` lies beside it.
 pub(crate) fn manoeuvre_text(
@@ -235,7 +231,7 @@ pub fn write_design(
     designed: &mut Designed,
     model: &Path,
 ) -> Result<Vec<PathBuf>, Error> {
-    let text = read_text(model, LARGEST_MODEL).map_err(|e| Error::report(model, &e, e.advice()))?;
+    let text = read_model_text(model)?;
     let case = manoeuvre_case(designed, folder)?;
     let mut files: Vec<(PathBuf, Vec<u8>)> = vec![
         ("model.toml".into(), text.into_bytes()),

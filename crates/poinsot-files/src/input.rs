@@ -1,9 +1,12 @@
 //! Opens inputs: regular files only, read up to a size limit.
 
-use crate::{Fault, FaultKind, Place};
+use crate::{Fault, FaultKind, Faults, Place, check_memory, rounded};
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
+
+/// Memory of what is made of a file, of its size at most: 66 was measured, of JSON whose objects have one short member each.
+const PARSED: f64 = 80.0;
 
 /// Why an input cannot be read.
 #[derive(Debug)]
@@ -19,6 +22,8 @@ pub enum InputError {
         /// The limit, bytes.
         limit: u64,
     },
+    /// What is made of it needs more memory than its limit: E0006.
+    Memory(Faults),
     /// Not UTF-8.
     NotText {
         /// First byte that is not UTF-8, from zero.
@@ -29,13 +34,28 @@ pub enum InputError {
 }
 
 impl InputError {
-    /// The fault of a file that cannot be read.
-    pub fn fault(&self, code: &'static str, path: &Path) -> Fault {
+    /// The faults of a file that cannot be read.
+    pub fn fault(self, code: &'static str, path: &Path) -> Faults {
         let kind = match self {
+            Self::Memory(faults) => return faults,
             Self::System(_) => FaultKind::System,
             _ => FaultKind::Input,
         };
-        Fault::new(code, Place::file(path), self.to_string(), self.advice()).of_kind(kind)
+        let fault = Fault::new(code, Place::file(path), self.to_string(), self.advice());
+        fault.of_kind(kind).into()
+    }
+
+    /// The faults of a result that cannot be read: E0601, of the system E0002.
+    pub fn of_result(self, path: &Path) -> Faults {
+        match self {
+            Self::Memory(faults) => faults,
+            Self::System(source) => Faults::io(path, "cannot be read", &source),
+            Self::Missing(_) => {
+                let advice = "give the folder of identify --out";
+                Faults::report(path, "there is no such file", advice)
+            }
+            other => Faults::report(path, &other, other.advice()),
+        }
     }
 
     /// Advice to the user.
@@ -45,6 +65,7 @@ impl InputError {
             Self::Folder => "name the file in it",
             Self::NotRegular => "name a file; save the output of a pipe to a file first",
             Self::TooLarge { .. } => "name a file of the right kind",
+            Self::Memory(_) => "raise --limit-memory",
             Self::NotText { .. } => "save the file as UTF-8 text",
             Self::System(_) => "check disk and permission",
         }
@@ -58,6 +79,7 @@ impl std::fmt::Display for InputError {
             Self::Folder => write!(f, "this is a folder"),
             Self::NotRegular => write!(f, "this is not a regular file"),
             Self::TooLarge { limit } => write!(f, "the file is larger than {} MiB", limit >> 20),
+            Self::Memory(faults) => write!(f, "{faults}"),
             Self::NotText { byte } => write!(f, "byte {byte} is not UTF-8"),
             Self::System(source) => write!(f, "cannot be read: {source}"),
         }
@@ -107,15 +129,18 @@ fn check_kind(metadata: &Metadata) -> Result<(), InputError> {
     }
 }
 
-/// Reads a regular file of at most `limit` bytes.
+/// Reads a regular file of at most `limit` bytes, of which values are made in memory.
 ///
 /// # Errors
-/// As [`open`], or the file is larger.
+/// As [`open`], the file is larger, or the memory of its values is not there.
 pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>, InputError> {
     let (file, metadata) = open(path)?;
     if metadata.len() > limit {
         return Err(InputError::TooLarge { limit });
     }
+    let length = metadata.len() as f64;
+    let what = format!("the {} bytes of {}", rounded(length, 3), path.display());
+    check_memory(&what, PARSED * length).map_err(InputError::Memory)?;
     let mut bytes = Vec::new();
     // The file may grow while it is read, and some system files declare no size.
     file.take(limit + 1).read_to_end(&mut bytes)?;

@@ -8,7 +8,7 @@ use crate::estimate::{ESTIMATE, EstimateFile, UNCHECKED};
 use crate::truth::{TRUTH, TruthFile};
 use crate::upgrade;
 use indexmap::IndexMap;
-use poinsot_files::{Fault, Faults, InputError, Place, json_escaped, open};
+use poinsot_files::{Fault, Faults, Place, json_escaped, open};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -258,15 +258,8 @@ pub fn read_truth(path: &Path) -> Result<TruthFile, Faults> {
 /// assert!(read_result::<TruthFile>("/nowhere/truth.json".as_ref()).is_err());
 /// ```
 pub fn read_result<T: ResultFile>(path: &Path) -> Result<T, Faults> {
-    match poinsot_files::read(path, LARGEST_RESULT) {
-        Ok(bytes) => parse_result(path, &bytes),
-        Err(InputError::Missing(_)) => {
-            let advice = "give the folder of identify --out";
-            Err(Faults::report(path, "there is no such file", advice))
-        }
-        Err(InputError::System(source)) => Err(Faults::io(path, "cannot be read", &source)),
-        Err(other) => Err(not_written(path, &other)),
-    }
+    let bytes = poinsot_files::read(path, LARGEST_RESULT);
+    parse_result(path, &bytes.map_err(|e| e.of_result(path))?)
 }
 
 /// Reads the bytes of a result file: its schema, checksum, structure and contradictions. Errors name it `path`.

@@ -20,5 +20,5 @@ const LARGEST: u64 = 16 * 1024 * 1024;
 /// ```
 pub fn read_model_text(path: impl AsRef<Path>) -> Result<String, Faults> {
     let path = path.as_ref();
-    Ok(poinsot_files::read_text(path, LARGEST).map_err(|e| e.fault("E0101", path))?)
+    poinsot_files::read_text(path, LARGEST).map_err(|e| e.fault("E0101", path))
 }

@@ -2,7 +2,7 @@
 
 use crate::campaign::read_plan;
 use crate::case::{describe_case, shaped_case};
-use crate::error::{Error, unreadable};
+use crate::error::Error;
 use poinsot_formats::{DESCRIPTION, PLAN, StatedFile, case::CASE, parse_estimate};
 use poinsot_model::{Description, describe, describe_map, parse_telemetry_map, read_model};
 use poinsot_report::{estimate_lines, plan_lines};
@@ -65,7 +65,7 @@ fn described(path: &Path) -> Result<Described, Error> {
     let path = if path.is_dir() { &inside } else { path };
     let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
     if ending == "json" {
-        let text = poinsot_files::read_text(path, LARGEST).map_err(|e| unreadable(path, e))?;
+        let text = poinsot_files::read_text(path, LARGEST).map_err(|e| e.of_result(path))?;
         return estimate(path, &text);
     }
     if ["csv", "parquet", "pq"].iter().any(|e| ending == *e) {

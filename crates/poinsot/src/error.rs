@@ -2,23 +2,10 @@
 
 pub use poinsot_files::{Fault, FaultKind as ErrorKind, Faults as Error};
 
-use poinsot_files::{InputError, Place};
+use poinsot_files::Place;
 use poinsot_model::SensorKind;
 use std::fmt::Display;
 use std::path::Path;
-
-/// An input file of `identify` that cannot be read.
-pub(crate) fn unreadable(path: &Path, error: InputError) -> Error {
-    match error {
-        InputError::System(source) => Error::io(path, "cannot be read", &source),
-        InputError::Missing(_) => Error::report(
-            path,
-            "it is not there",
-            "write it by `poinsot identify --out DIR`",
-        ),
-        other => Error::report(path, &other, other.advice()),
-    }
-}
 
 /// E0301: a missing channel of a segment, with its purpose.
 pub(crate) fn missing(segment: &str, channel: &str, purpose: &str, advice: &str) -> Error {

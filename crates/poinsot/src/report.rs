@@ -7,7 +7,7 @@ pub use data::report_data;
 
 use crate::case::read_case;
 use crate::compare::compare;
-use crate::error::{Error, unreadable};
+use crate::error::Error;
 use crate::simulate::simulate_exact_watched;
 use crate::written::{OutputFile, write_files};
 use placed::nominal;
@@ -43,7 +43,7 @@ pub fn write_report(
     earlier: &[PathBuf],
     figures: &[FigureFormat],
 ) -> Result<Vec<PathBuf>, Error> {
-    let bytes = |path: &Path| read(path, LARGEST_RESULT).map_err(|e| unreadable(path, e));
+    let bytes = |path: &Path| read(path, LARGEST_RESULT).map_err(|e| e.of_result(path));
     let inside = |name: &str| result.join(name);
     let of_other = || RESULTS.into_iter().map(inside).find(|path| path.is_file());
     let file = match (result.is_dir(), inside("estimate.json").is_file()) {

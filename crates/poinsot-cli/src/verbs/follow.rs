@@ -7,7 +7,7 @@ use crate::terminal;
 use poinsot::{Error, Followed, Follower, IdentifyRequest, Question, Reading};
 use poinsot::{check_outputs, estimate_file, identify, identify_records, write_result};
 use poinsot_design::interrupt::{Listening, is_requested};
-use poinsot_files::{Faults, growing, open};
+use poinsot_files::{growing, open};
 use poinsot_model::Model;
 use poinsot_report::{Detail, estimate_document, followed_document, live_page, no_page};
 use poinsot_telemetry::Part;
@@ -256,7 +256,7 @@ fn chunks(arguments: &Follow, from_stream: bool) -> Result<Chunks, Error> {
         true => Box::new(std::io::stdin()),
         false => {
             let opened = open(&arguments.file);
-            let (file, _) = opened.map_err(|e| Faults::from(e.fault("E0201", &arguments.file)))?;
+            let (file, _) = opened.map_err(|e| e.fault("E0201", &arguments.file))?;
             Box::new(file)
         }
     };

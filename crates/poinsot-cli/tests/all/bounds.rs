@@ -130,6 +130,18 @@ fn cli_names_that_are_not_utf8_are_read() {
     ];
     let validate = run(folder.path(), &against);
     assert!(!said(&validate).contains("E0001"), "{}", said(&validate));
+    let other = satellite("1");
+    let names = [name(b"c\xff.toml"), name(b"n\xff.toml")];
+    for (from, to) in ["case.toml", "stsat3_truth.toml"].iter().zip(&names) {
+        std::fs::copy(other.path().join(from), other.path().join(to)).unwrap();
+    }
+    let [case, nominal] = names;
+    let mut sweep = ["sweep", "--trials", "2", "--vary", "noise=1", "--model"]
+        .map(word)
+        .to_vec();
+    sweep.extend([nominal, case]);
+    let sweep = run(other.path(), &sweep);
+    assert_eq!(sweep.status.code(), Some(0), "{}", said(&sweep));
 }
 
 #[test]
@@ -352,6 +364,214 @@ fn cli_trials_above_the_time_are_refused() {
     refused(&output, 3, "E0006 the 100000000 trials take at least ");
 }
 
+/// Of so few rows the least time of 10^9 trials is some hours; that of the first ones is years.
+#[test]
+fn cli_trials_that_begin_too_slowly_are_refused_and_only_those_that_are_left_count() {
+    let folder = satellite("0.1");
+    let plan = std::fs::read_to_string(folder.path().join("plan.toml")).unwrap();
+    let plan = plan.replace("trials = 2", "trials = 2\ntrials_per_shard = 1000000");
+    std::fs::write(folder.path().join("plan.toml"), plan).unwrap();
+    let run = |words: &str| shell(folder.path(), &format!("exec \"$P\" {words}"));
+    for words in [
+        "campaign plan.toml --out o --trials 1000000000",
+        "sweep case.toml --vary noise=1 --trials 1000000000",
+    ] {
+        let started = Instant::now();
+        refused(&run(words), 3, "E0006 the 1000000000 trials take at least ");
+        assert!(started.elapsed() < Duration::from_secs(60), "{words}");
+    }
+    let few = "campaign plan.toml --out few --limit-hours 1e-6";
+    let output = run("campaign plan.toml --out few");
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    let output = run(&format!("{few} --resume"));
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    let output = run(&format!("{few} --resume --trials 1000 --processes 2"));
+    assert_eq!(output.status.code(), Some(3), "{}", said(&output));
+    assert!(said(&output).contains("E0006 the 1000 trials take at least "));
+}
+
+#[test]
+fn cli_a_fit_above_the_time_is_ended() {
+    let folder = tempfile::tempdir().unwrap();
+    let [model, rows] = ["stsat3/model.toml", "stsat3/paper/telemetry_noisy.csv"].map(data);
+    for method in ["auto", "maximum_likelihood"] {
+        let words = [
+            OsStr::new("identify"),
+            model.as_os_str(),
+            rows.as_os_str(),
+            OsStr::new("--method"),
+            OsStr::new(method),
+            OsStr::new("--out"),
+            OsStr::new("o"),
+            OsStr::new("--limit-hours"),
+        ];
+        let limited =
+            |hours: &str| run(folder.path(), &[&words[..], &[OsStr::new(hours)]].concat());
+        let output = limited("24");
+        assert!(
+            matches!(output.status.code(), Some(0 | 1)),
+            "{}",
+            said(&output)
+        );
+        std::fs::remove_dir_all(folder.path().join("o")).unwrap();
+        refused(&limited("1e-9"), 3, "E0006 the fits of ");
+        assert!(!folder.path().join("o").exists());
+    }
+    refused(
+        &run(folder.path(), &["schema", "--limit-hours", "-1"]),
+        2,
+        "E0001 ",
+    );
+}
+
+/// Limit of the tests of memory, MiB; `scripts/test long memory` sets 4096.
+fn limit_mib() -> u64 {
+    std::env::var("POINSOT_LIMIT_MIB").map_or(24, |mib| mib.parse().unwrap())
+}
+
+/// Runs a command within an address space of so many MiB and what the program takes without any work.
+fn within(folder: &Path, verb: &str, mib: u64) -> Output {
+    let space = (1 << 10) * (mib + program_mib());
+    let limit = format!("--limit-memory {mib} --quiet");
+    shell(
+        folder,
+        &format!("ulimit -v {space}; exec \"$P\" {verb} {limit}"),
+    )
+}
+
+/// A file of so many bytes, of units made from their number.
+fn filled(path: &Path, parts: [&str; 2], bytes: u64, unit: &dyn Fn(u64) -> String) {
+    let [head, tail] = parts;
+    let mut text = head.to_owned();
+    for k in 0.. {
+        let next = unit(k);
+        if text.len() + next.len() + tail.len() > bytes as usize {
+            break;
+        }
+        text.push_str(&next);
+    }
+    text.push_str(tail);
+    std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+    std::fs::write(path, text).unwrap();
+}
+
+/// Files of what takes the most memory for its bytes, just within the limit of what is read whole and above it, under the
+/// verbs that read them: each is answered or refused, and no allocation fails.
+#[test]
+fn cli_each_reader_stays_within_its_limit() {
+    let (folder, limit) = (tempfile::tempdir().unwrap(), limit_mib());
+    let (model, rows) = (
+        data("stsat3/model.toml"),
+        data("stsat3/paper/telemetry_noisy.csv"),
+    );
+    let (model, rows) = (model.display(), rows.display());
+    let words = format!("exec \"$P\" identify -m {model} {rows} --out a --report --quiet");
+    assert!(shell(folder.path(), &words).status.code() < Some(2));
+    let answer = std::fs::read_to_string(folder.path().join("a/estimate.json")).unwrap();
+    // An earlier version has no checksum.
+    let answer = answer.replace("poinsot.estimate/3", "poinsot.estimate/2");
+    let answer = format!("{}\n}}", answer.rsplit_once(",\n  \"sha256\"").unwrap().0);
+    let (before, after) = answer.split_once("\"warnings\": [").unwrap();
+    let comma = if after.trim_start().starts_with(']') {
+        "\"\""
+    } else {
+        "\"\","
+    };
+    let warnings = [
+        &format!("{before}\"warnings\": ["),
+        &format!("{comma}{after}"),
+    ];
+    let warnings = warnings.map(String::as_str);
+    let answers = [
+        "check FILE",
+        "report DIR",
+        "compare DIR a",
+        "export DIR --to csv -o x.csv --accept-unreliable",
+        &format!("validate -m {model} --estimate DIR --against {rows}"),
+    ];
+    let models = ["check FILE", &format!("inspect {rows} --model FILE")];
+    let robots = [
+        "check FILE",
+        "import FILE -o y.toml",
+        &format!("init {rows} --urdf FILE -o z.toml"),
+    ];
+    type Unit = fn(u64) -> String;
+    let files: [(&str, [&str; 2], Unit, &[&str]); 7] = [
+        (
+            "e/estimate.json",
+            warnings,
+            |_| "\"\",".to_owned(),
+            &answers,
+        ),
+        (
+            "e/estimate.json",
+            ["[", "0]"],
+            |_| "{\"\":0},".to_owned(),
+            &answers,
+        ),
+        (
+            "r/report_data.json",
+            ["{\"segments\":[", "{}]}"],
+            |_| "{},".to_owned(),
+            &["report DIR"],
+        ),
+        (
+            "c/campaign.json",
+            ["{\"files\":{", "\"\":\"\"}}"],
+            |k| format!("\"{k:x}\":\"\","),
+            &["report FILE"],
+        ),
+        (
+            "m.toml",
+            ["schema = \"poinsot.model/1\"\n", ""],
+            |k| format!("{k:x}=0\n"),
+            &models,
+        ),
+        (
+            "m.urdf",
+            ["<robot name=\"m\">", "</robot>"],
+            |k| format!("<link name=\"{k:x}\"/>"),
+            &robots,
+        ),
+        (
+            "n.urdf",
+            ["<robot name=\"m\">", "</robot>"],
+            |_| "<a/>".to_owned(),
+            &robots,
+        ),
+    ];
+    for (name, parts, unit, verbs) in files {
+        let path = folder.path().join(name);
+        let dir = path.parent().unwrap();
+        // A file of 80 times the limit is refused.
+        let most = (limit << 20) / 80;
+        for bytes in [most - 1000, most + 1000, 2 * most, 250 << 20] {
+            if bytes > 250 << 20 || bytes > 20 * most {
+                continue;
+            }
+            filled(&path, parts, bytes, &unit);
+            if name.starts_with('r') {
+                std::fs::copy(
+                    folder.path().join("a/estimate.json"),
+                    dir.join("estimate.json"),
+                )
+                .unwrap();
+            }
+            for verb in verbs {
+                let verb = verb.replace("FILE", name).replace("DIR", &name[..1]);
+                let output = within(folder.path(), &verb, limit);
+                let text = said(&output);
+                match output.status.code() {
+                    Some(0 | 1) => assert!(bytes <= most, "{verb} of {bytes} bytes"),
+                    Some(2) => assert!(text.starts_with("E0"), "{verb}: {text}"),
+                    Some(3) if text.starts_with("E0006 the ") => assert!(bytes > most, "{text}"),
+                    other => panic!("{verb} of {bytes} bytes: {other:?} {text}"),
+                }
+            }
+        }
+    }
+}
+
 /// Address space that the program takes without any work, MiB.
 fn program_mib() -> u64 {
     let threads = std::thread::available_parallelism().unwrap().get() as u64;
@@ -362,11 +582,7 @@ fn program_mib() -> u64 {
 /// just above it is refused. The address space is held to the limit and what the program takes without any work.
 #[test]
 fn cli_each_verb_stays_within_its_limit() {
-    let limit = std::env::var("POINSOT_LIMIT_MIB").map_or(24, |mib| mib.parse().unwrap());
-    let script = |verb: &str, mib: u64| {
-        let space = (1 << 10) * (mib + program_mib());
-        format!("ulimit -v {space}; exec \"$P\" {verb} --limit-memory {mib} --quiet")
-    };
+    let limit = limit_mib();
     let model = data("stsat3/model.toml").display().to_string();
     for verb in [
         "predict case.toml",
@@ -387,7 +603,7 @@ fn cli_each_verb_stays_within_its_limit() {
                 );
                 assert_eq!(made.status.code(), Some(0), "{}", said(&made));
             }
-            let output = shell(folder.path(), &script(verb, limit));
+            let output = within(folder.path(), verb, limit);
             match output.status.code() {
                 Some(0 | 1) => true,
                 Some(3) if said(&output).starts_with("E0006 the ") => false,

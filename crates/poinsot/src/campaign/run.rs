@@ -8,15 +8,13 @@ use super::until::{looks, outside_at_each};
 use crate::error::Error;
 use crate::trials::OUTSIDE;
 use crate::written::{result_json, write_files};
-use poinsot_files::{Place, Stage, check_memory, folder_of};
+use poinsot_files::{Place, Stage, check_memory, folder_of, open};
 use poinsot_formats::CampaignFile;
 use poinsot_report::{campaign_page, no_page};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Size limit of a copied file of rows, bytes.
-const LARGEST_ROWS: u64 = 1 << 34;
 /// Memory of a listed shard, bytes: its number in three lists.
 const OF_SHARD: f64 = 48.0;
 /// Interval of `--follow`: at least this, and ten times its computing time.
@@ -85,7 +83,7 @@ impl CampaignRun {
 /// ```
 pub fn campaign_in_memory(plan: &Plan) -> Result<CampaignRun, Error> {
     let all: Mutex<Vec<ShardSums>> = Mutex::default();
-    let shards: Vec<u64> = (0..plan.shards()).collect();
+    let shards = listed(plan.shards(), 0..plan.shards())?;
     run_each(plan, &shards, &|result| {
         // Written as text and parsed, so that the result is identical to that of a campaign with files.
         let text = result.sums.text();
@@ -203,9 +201,7 @@ fn run_missing(
     trials: u64,
     ran: &mut CampaignRun,
 ) -> Result<(), Error> {
-    let count = plan.shards_up_to(trials) as f64;
-    check_memory(&format!("the {count:.3e} shards"), count * OF_SHARD)?;
-    let wanted: Vec<u64> = shards.collect();
+    let wanted = listed(plan.shards_up_to(trials), shards)?;
     let found = missing_shards(plan, &request.out, wanted.iter().copied())?;
     let missing: Vec<u64> = found.iter().map(|m| m.number).collect();
     let (all, there) = (wanted.len(), wanted.len() - missing.len());
@@ -244,6 +240,13 @@ fn run_missing(
         }
         None => run_shards(plan, &request.out, &missing, &watch),
     }
+}
+
+/// A list of shards, of at most so many.
+fn listed(most: u64, shards: impl Iterator<Item = u64>) -> Result<Vec<u64>, Error> {
+    let most = most as f64;
+    check_memory(&format!("the {most:.3e} shards"), most * OF_SHARD)?;
+    Ok(shards.collect())
 }
 
 /// Checks that the shards of an engine are in the folder.
@@ -337,9 +340,11 @@ fn gather(plan: &Plan, out: &Path, from: &[PathBuf]) -> Result<(), Error> {
         let target = sums_path(out, &plan.digest, number);
         let mut stage = Stage::new(folder_of(&target))?;
         for (from, to) in [(rows_path(&source), rows_path(&target)), (source, target)] {
-            let bytes = poinsot_files::read(&from, LARGEST_ROWS);
-            let bytes = bytes.map_err(|e| crate::error::unreadable(&from, e))?;
-            stage.add(Path::new(to.file_name().unwrap_or_default()), &bytes)?;
+            let (mut file, _) = open(&from).map_err(|e| e.of_result(&from))?;
+            stage.fill(Path::new(to.file_name().unwrap_or_default()), |draft| {
+                let copied = std::io::copy(&mut file, draft);
+                copied.map_err(|e| Error::io(&from, "cannot be copied", &e))
+            })?;
         }
         stage.commit()?;
     }

@@ -204,8 +204,8 @@ pub(super) fn find(plan: &Plan, out: &Path, number: u64) -> Result<Found, Error>
     let text = match read_text(&path, LARGEST) {
         Ok(text) => text,
         Err(InputError::Missing(_)) => return missing(None),
-        Err(InputError::System(source)) => {
-            return Err(Error::io(&path, "cannot be read", &source));
+        Err(own @ (InputError::System(_) | InputError::Memory(_))) => {
+            return Err(own.of_result(&path));
         }
         Err(other) => return missing(Some(other.to_string())),
     };

@@ -27,6 +27,7 @@ use planner::Planner;
 use poinsot_dynamics::{Times, Tolerance, Tree};
 use poinsot_formats::case::{CASE, CASE_BEFORE, CaseFile};
 pub use poinsot_formats::case::{Format, Objective};
+use poinsot_formats::sha256_of;
 use poinsot_model::Model;
 use std::path::{Path, PathBuf};
 #[doc(hidden)]
@@ -41,8 +42,6 @@ pub use {
 };
 
 const LARGEST_FILE: u64 = 16 << 20;
-/// Size limit of a file of torques, bytes.
-const LARGEST_TORQUE_FILE: u64 = 1 << 30;
 
 /// A parsed case; names are not yet resolved.
 #[derive(Debug, Clone)]
@@ -172,9 +171,8 @@ impl Case {
         self.inputs()
             .into_iter()
             .map(|path| {
-                let bytes = poinsot_files::read(&path, LARGEST_TORQUE_FILE);
-                let bytes = bytes.map_err(|e| crate::error::unreadable(&path, e))?;
-                Ok(poinsot_formats::sha256(&bytes))
+                let (file, _) = poinsot_files::open(&path).map_err(|e| e.fault("E0501", &path))?;
+                sha256_of(file).map_err(|e| Error::io(&path, "cannot be read", &e))
             })
             .collect()
     }

@@ -4,6 +4,7 @@ use crate::page::curves::{Differences, over_time};
 use crate::page::envelope::Envelope;
 use indexmap::IndexMap;
 use poinsot_figures::{Axis, Figure, Mark, Plot, Series};
+use poinsot_files::InputError;
 use poinsot_formats::{
     AgainstDurationFile, Channel, LARGEST_RESULT, ReportData, Segment, ValidationFile,
 };
@@ -20,15 +21,20 @@ const COMMANDS: [(&str, &str, &str); 7] = [
     ("_N", "thrust", "N"),
 ];
 
-/// Rows of a table; empty if the file is missing or invalid.
-fn rows(path: &Path) -> Vec<csv::StringRecord> {
-    let Ok(bytes) = poinsot_files::read(path, LARGEST_RESULT) else {
-        return Vec::new();
+/// Rows of a table; none if there is no file.
+///
+/// # Errors
+/// It is too large, or cannot be read.
+fn rows(path: &Path) -> Result<Vec<csv::StringRecord>, String> {
+    let bytes = match poinsot_files::read(path, LARGEST_RESULT) {
+        Ok(bytes) => bytes,
+        Err(InputError::Missing(_)) => Vec::new(),
+        Err(other) => return Err(format!("{}: {other}", path.display())),
     };
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
         .from_reader(bytes.as_slice());
-    reader.records().filter_map(Result::ok).collect()
+    Ok(reader.records().filter_map(Result::ok).collect())
 }
 
 fn number(row: &csv::StringRecord, column: usize) -> f64 {
@@ -37,9 +43,12 @@ fn number(row: &csv::StringRecord, column: usize) -> f64 {
 }
 
 /// The differences in `histories.csv`, one plot per quantity, with the band of the declared noise if any.
-pub(super) fn differences(path: &Path, validation: &ValidationFile) -> Vec<Figure> {
+///
+/// # Errors
+/// As [`rows`].
+pub(super) fn differences(path: &Path, validation: &ValidationFile) -> Result<Vec<Figure>, String> {
     let mut channels: IndexMap<String, Channel> = IndexMap::new();
-    for row in rows(path).iter().skip(1) {
+    for row in rows(path)?.iter().skip(1) {
         let text = |column: usize| row.get(column).unwrap_or_default().to_owned();
         if text(6).is_empty() {
             continue;
@@ -80,14 +89,17 @@ pub(super) fn differences(path: &Path, validation: &ValidationFile) -> Vec<Figur
         };
         Figure::plot(&format!("difference_{name}"), differences.plot(&envelope))
     };
-    channels.iter().map(figure).collect()
+    Ok(channels.iter().map(figure).collect())
 }
 
 /// The commands in `commands.csv`, one plot per quantity.
-pub(super) fn commands(path: &Path) -> Vec<Figure> {
-    let table = rows(path);
+///
+/// # Errors
+/// As [`rows`].
+pub(super) fn commands(path: &Path) -> Result<Vec<Figure>, String> {
+    let table = rows(path)?;
     let Some((head, rows)) = table.split_first() else {
-        return Vec::new();
+        return Ok(Vec::new());
     };
     let time: Vec<f64> = rows.iter().map(|row| number(row, 0)).collect();
     let mut plots: IndexMap<(&str, &str), Plot> = IndexMap::new();
@@ -108,9 +120,8 @@ pub(super) fn commands(path: &Path) -> Vec<Figure> {
             .push(Series::new(mover, Mark::Line, colour, &time, &y));
     }
     let plots = plots.into_iter();
-    plots
-        .map(|((label, _), plot)| Figure::plot(label, plot))
-        .collect()
+    let figures = plots.map(|((label, _), plot)| Figure::plot(label, plot));
+    Ok(figures.collect())
 }
 
 /// Sigmas for shorter records, relative to the wanted ones or to those of the whole record; `None` without two points.

@@ -9,7 +9,11 @@ use poinsot_files::significant;
 use poinsot_formats::{DesignFile, FrontPointFile};
 use std::path::Path;
 
-pub(super) fn result(design: &DesignFile, folder: &Path, flown: Option<Flown>) -> Shown {
+pub(super) fn result(
+    design: &DesignFile,
+    folder: &Path,
+    flown: Option<Flown>,
+) -> Result<Shown, String> {
     let document = design_document(design);
     let reached = design.verdict == "reached";
     let best = design
@@ -38,25 +42,29 @@ pub(super) fn result(design: &DesignFile, folder: &Path, flown: Option<Flown>) -
             vec![ratio(w.sigma), ratio(w.reference_sigma)],
         )
     });
-    Shown {
+    Ok(Shown {
         title: format!("Manoeuvre for {}", design.model),
         poinsot: design.poinsot.clone(),
         beside: ratio_figure(&["designed manoeuvre", "manoeuvre of the case"], rows),
-        curves: ("Manoeuvre", figures(design, folder, flown.as_ref())),
+        curves: ("Manoeuvre", figures(design, folder, flown.as_ref())?),
         inputs: vec![("case", design.case.clone())],
         opening,
         document,
         ..Shown::default()
-    }
+    })
 }
 
 /// The vehicle, the commands, the sigmas for shorter records, and the front.
-fn figures(design: &DesignFile, folder: &Path, flown: Option<&Flown>) -> Vec<Figure> {
+fn figures(
+    design: &DesignFile,
+    folder: &Path,
+    flown: Option<&Flown>,
+) -> Result<Vec<Figure>, String> {
     let mut all: Vec<Figure> = flown.into_iter().map(flying).collect();
-    all.extend(commands(&folder.join("commands.csv")));
+    all.extend(commands(&folder.join("commands.csv"))?);
     all.extend(design.against_duration.iter().filter_map(against_duration));
     all.extend(front(&design.front));
-    all
+    Ok(all)
 }
 
 /// The front: one line for every factor on the second limit.

@@ -91,10 +91,10 @@ pub fn result_page(
     check_files(folder, &named.files)?;
     let kind = named.schema.split('/').next().unwrap_or_default();
     let page = match kind {
-        "poinsot.validation" => page(validation::result(&parse(bytes)?, folder)),
+        "poinsot.validation" => page(validation::result(&parse(bytes)?, folder)?),
         "poinsot.prediction" => page(prediction::result(&parse(bytes)?)),
         "poinsot.comparison" => page(comparison::result(&parse(bytes)?)),
-        "poinsot.design" => page(design::result(&parse(bytes)?, folder, flown(folder))),
+        "poinsot.design" => page(design::result(&parse(bytes)?, folder, flown(folder))?),
         "poinsot.campaign" => campaign_page(&parse(bytes)?),
         _ => {
             return Err(format!(

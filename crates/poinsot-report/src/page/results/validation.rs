@@ -8,7 +8,7 @@ use poinsot_files::significant;
 use poinsot_formats::ValidationFile;
 use std::path::Path;
 
-pub(super) fn result(v: &ValidationFile, folder: &Path) -> Shown {
+pub(super) fn result(v: &ValidationFile, folder: &Path) -> Result<Shown, String> {
     let document = validation_document(v);
     let word = match v.verdict.as_str() {
         "compared" => "Compared",
@@ -42,11 +42,11 @@ pub(super) fn result(v: &ValidationFile, folder: &Path) -> Shown {
         ),
         _ => None,
     };
-    let figures = differences(&folder.join("histories.csv"), v);
+    let figures = differences(&folder.join("histories.csv"), v)?;
     let estimate = v.estimate.iter().map(|e| ("estimate", e.path.clone()));
     let case = v.case.iter().map(|c| ("case", c.clone()));
     let own = [("model", v.model.clone()), ("against", v.against.clone())];
-    Shown {
+    Ok(Shown {
         title: format!("Validation of {}", v.model),
         poinsot: v.poinsot.clone(),
         opening: Opening {
@@ -62,7 +62,7 @@ pub(super) fn result(v: &ValidationFile, folder: &Path) -> Shown {
         curves: ("Differences", figures),
         inputs: own.into_iter().chain(estimate).chain(case).collect(),
         ..Shown::default()
-    }
+    })
 }
 
 /// The verdict without file paths.
