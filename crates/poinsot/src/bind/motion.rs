@@ -84,8 +84,14 @@ impl Aligned {
         });
         Samples {
             time_s: picked.iter().map(|&k| self.time_s[k]).collect(),
-            R_NB: picked.iter().filter_map(|&k| self.attitude[k]).collect(),
-            w_NB_B: picked.iter().filter_map(|&k| self.rate[k]).collect(),
+            R_NB: picked
+                .iter()
+                .map(|&k| self.attitude[k].unwrap_or_default())
+                .collect(),
+            w_NB_B: picked
+                .iter()
+                .map(|&k| self.rate[k].unwrap_or_default())
+                .collect(),
             translation,
             joint_position: rows.joint_position,
             joint_rate: rows.joint_rate,

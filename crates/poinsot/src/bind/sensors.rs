@@ -58,7 +58,7 @@ pub(super) struct SensorColumns<'a> {
     /// Times at which every part has a sample, s.
     time_s: Vec<f64>,
     /// Index of the sample in each part, at these times.
-    at: Vec<[usize; 4]>,
+    at: Vec<[u32; 4]>,
 }
 
 /// The columns of a sensor with the times of their samples.
@@ -162,7 +162,7 @@ impl<'a> SensorColumns<'a> {
             });
             if complete {
                 time_s.push(*t);
-                at.push(next);
+                at.push(next.map(|k| k as u32));
             }
         }
         Self {
@@ -275,7 +275,7 @@ impl<'a> SensorColumns<'a> {
         (origin, references): (&Vector3, &[Option<Vector3>]),
     ) -> Option<SensorValue> {
         let at = self.at.get(i)?;
-        let part = |k: usize| self.parts.get(k)?.values.get(*at.get(k)?).copied();
+        let part = |k: usize| self.parts.get(k)?.values.get(*at.get(k)? as usize).copied();
         let (x, y, z) = (part(0)?, part(1)?, part(2)?);
         Some(match self.kind {
             kind if kind.is_rotation() => {

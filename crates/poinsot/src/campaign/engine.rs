@@ -77,7 +77,7 @@ pub(super) fn run_each(
             let done = count.fetch_add(many, Ordering::Relaxed) + many;
             step("trials", done, total);
             let taken = finished.and_then(|result| result.map_or(Ok(()), take));
-            let taken = taken.and_then(|()| Ok(pace.check(many, total)?));
+            let taken = taken.and_then(|()| pace.check(many, total));
             if let Err(error) = taken {
                 locked(&failure).get_or_insert(error);
             }
