@@ -70,34 +70,32 @@ impl Aligned {
     pub fn take(&self, picked: &[usize]) -> Samples {
         let rows = self.inputs.rows(picked);
         let translation = self.translation.as_ref().map(|(r, v)| {
-            let all = |list: &[Option<Vector3>]| -> Vec<Vector3> {
-                picked.iter().filter_map(|&k| list[k]).collect()
-            };
-            let mut p_NoBo_N = all(r);
+            let mut p_NoBo_N = given(r, picked);
             if let Some(first) = p_NoBo_N.first().copied() {
                 p_NoBo_N.iter_mut().for_each(|p| *p -= first);
             }
             Translation {
-                v_NBo_N: all(v),
+                v_NBo_N: given(v, picked),
                 p_NoBo_N,
             }
         });
         Samples {
             time_s: picked.iter().map(|&k| self.time_s[k]).collect(),
-            R_NB: picked
-                .iter()
-                .map(|&k| self.attitude[k].unwrap_or_default())
-                .collect(),
-            w_NB_B: picked
-                .iter()
-                .map(|&k| self.rate[k].unwrap_or_default())
-                .collect(),
+            R_NB: given(&self.attitude, picked),
+            w_NB_B: given(&self.rate, picked),
             translation,
             joint_position: rows.joint_position,
             joint_rate: rows.joint_rate,
             wheel_speed: rows.wheel_speed,
         }
     }
+}
+
+/// The values that are there, in a list without spare memory.
+fn given<T: Copy>(column: &[Option<T>], picked: &[usize]) -> Vec<T> {
+    let mut all = Vec::with_capacity(picked.len());
+    all.extend(picked.iter().filter_map(|&k| column[k]));
+    all
 }
 
 fn attitude(
