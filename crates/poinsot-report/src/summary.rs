@@ -36,8 +36,8 @@ pub(crate) fn sentence(e: &EstimateFile) -> String {
             }
         }
         "iteration_limit" => format!(
-            "The fit did not converge within {} iterations.",
-            e.iterations
+            "The fit did not converge within {}.",
+            counted(e.iterations, "iteration", "iterations")
         ),
         other => format!("Status {other}."),
     }
