@@ -52,9 +52,13 @@ pub(crate) fn add(
             _ => without_gaps(&whole, values, &mut bases),
         };
         let is_held = !matches!(transform.conversion, Conversion::Pulse(..));
-        let (time_s, values) = match transform.late_s != [0.0; 2] && is_held {
-            true => late(&time_s, &values, transform.late_s),
+        let (time_s, values) = match transform.valve_late_s != [0.0; 2] && is_held {
+            true => late(&time_s, &values, transform.valve_late_s),
             false => (time_s, values),
+        };
+        let time_s = match transform.late_s {
+            0.0 => time_s,
+            late_s => shared(time_s.iter().map(|t| t - late_s).collect(), &mut bases),
         };
         if values.is_empty() {
             table.repairs.push(format!("{place}: no samples; left out"));
@@ -154,7 +158,7 @@ fn pulses(
 ) -> Result<(Vec<f64>, Vec<f64>), Faults> {
     let (mut times, mut levels) = (Vec::new(), Vec::new());
     let mut end = f64::NEG_INFINITY;
-    let [opens, closes] = transform.late_s;
+    let [opens, closes] = transform.valve_late_s;
     for ((begin, duration), row) in begins.iter().zip(lasts).zip(rows) {
         if *duration < 0.0 {
             let (place, value) = (place.at(*row), duration.to_string());

@@ -157,10 +157,9 @@ impl ConventionTest {
         }
     }
 
-    /// Repairs after which both agree, the simplest first, each a list of changes that belong together. What no map can say of a reading,
-    /// a later one that fits would hide.
+    /// Repairs after which both agree, the simplest first, each a list of changes that belong together.
     pub fn ways(&self) -> Vec<Vec<Repair>> {
-        self.good.iter().map_while(Hypothesis::repairs).collect()
+        self.good.iter().map(Hypothesis::repairs).collect()
     }
 
     /// How many readings are as simple as the first, and what they say.
@@ -254,7 +253,7 @@ fn of_attitude(attitude: &[&Channel], gyro: &[&Channel]) -> Option<ConventionTes
     let (q, rates) = (names(attitude), names(gyro));
     let (units, axes) = (rate_units(gyro, &rates)?, axes(&rates, "body rates = gyro"));
     // The inverse attitude turns by the opposite of an inertial rate, and no gyro has all of its axes reversed.
-    let inertial = Row::without_line("gyro in inertial axes, not in body axes");
+    let inertial = Row::of(&rates, Change::InertialRates);
     let senses = [Sense::BodyToInertial, Sense::InertialToBody];
     let attitudes = [Order::Xyzw, Order::Wxyz].into_iter().flat_map(|order| {
         senses.map(|sense| {

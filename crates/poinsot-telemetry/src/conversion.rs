@@ -73,8 +73,10 @@ pub(crate) struct Transform {
     /// Where the samples begin anew, SI.
     pub wraps_at: Option<f64>,
     pub increments: bool,
+    /// How late the times of the samples are, s.
+    pub late_s: f64,
     /// How late thrust begins and ends, s.
-    pub late_s: [f64; 2],
+    pub valve_late_s: [f64; 2],
     pub overlap: Option<Overlap>,
 }
 
@@ -94,7 +96,8 @@ impl Transform {
             signed_range: map.signed_range,
             wraps_at: map.wraps_at.map(|step| conversion.size(step)),
             increments: map.increments,
-            late_s: [map.opens_late_s, map.closes_late_s].map(|s| s.unwrap_or(0.0)),
+            late_s: map.late_s.unwrap_or(0.0),
+            valve_late_s: [map.opens_late_s, map.closes_late_s].map(|s| s.unwrap_or(0.0)),
             overlap: map.overlap,
         }
     }

@@ -57,6 +57,8 @@ pub(crate) fn derive(
             .iter()
             .find(|c| c.part.is_some_and(|p| p.0 == k));
         let (index, column) = first.map_or((0, ""), |c| (c.index, c.column.as_str()));
+        let mut transform = Transform::from(Conversion::Linear(1.0, 0.0));
+        transform.late_s = first.map_or(0.0, |c| c.transform.late_s);
         let (names, made): (Vec<String>, Vec<Vec<f64>>) = match group {
             Group::Attitude { names, form, sense } => {
                 let made = attitude(path, column, &columns.rows, &parts, *form, *sense)?;
@@ -75,7 +77,7 @@ pub(crate) fn derive(
                 index,
                 column: column.to_owned(),
                 name,
-                transform: Transform::from(Conversion::Linear(1.0, 0.0)),
+                transform: transform.clone(),
                 part: None,
                 choice: None,
             });

@@ -18,6 +18,10 @@ pub struct TelemetryMap {
     pub all: FileMap,
     /// The attitudes are relative to the orbital frame of a circular orbit.
     pub orbital_frame: Option<OrbitalMap>,
+    /// true: the angular velocities are in inertial axes, as some simulations write them, not in those of the body; the attitude
+    /// turns them. Default false.
+    #[serde(skip_serializing_if = "is_usual")]
+    pub inertial_rates: bool,
     /// Settings for the files of one name, in addition to those for all.
     #[serde(rename = "file", skip_serializing_if = "is_usual")]
     pub files: Vec<NamedMap>,
@@ -161,6 +165,8 @@ pub struct ColumnMap {
     /// mean rate, at the middle of the interval. Default false.
     #[serde(skip_serializing_if = "is_usual")]
     pub increments: bool,
+    /// Time from the motion, or the thrust, to the time of its sample, s: positive where the times are late. Default 0.
+    pub late_s: Option<f64>,
     /// Of a thruster: time from a command to its thrust (dead time of the valve), s. Default 0.
     pub opens_late_s: Option<f64>,
     /// Of a thruster: time from the end of a command to that of its thrust, s. Default 0.
@@ -334,6 +340,8 @@ pub struct AttitudeMap {
     #[serde(rename = "where", with = "texts", skip_serializing_if = "is_usual")]
     #[schemars(with = "BTreeMap<String, String>")]
     pub rows: Vec<(String, String)>,
+    /// Time from the attitude to the time of its sample, s: positive where the times are late. Default 0.
+    pub late_s: Option<f64>,
     /// Texts or numbers that mean, in any of its columns, that there is no attitude.
     #[serde(deserialize_with = "invalid", skip_serializing_if = "is_usual")]
     #[schemars(with = "Vec<Invalid>")]
@@ -392,6 +400,7 @@ impl AttitudeMap {
                 AttitudeColumn::Name(column) => ColumnMap::part(column),
                 AttitudeColumn::Column(own) => (**own).clone(),
             };
+            map.late_s = self.late_s.or(map.late_s);
             map.rows.extend(self.rows.iter().cloned());
             map.invalid.extend(self.invalid.iter().cloned());
             map

@@ -73,30 +73,40 @@ fn turn(channels: &mut [Channel], places: &[usize], mounting: &Mounting) {
     let R = Rotation3::from_matrix_unchecked(R_BS);
     // R_NB = R_NS R_SB, and alike for an attitude seen from another body.
     let back = UnitQuaternion::from_rotation_matrix(&R).inverse();
-    each_row(channels, places, |_, row| match row {
-        [x, y, z, w] => {
-            let q = UnitQuaternion::new_unchecked(Quaternion::new(*w, *x, *y, *z)) * back;
-            (*x, *y, *z, *w) = (q.i, q.j, q.k, q.w);
+    each_row(channels, places, |_, row| {
+        match row {
+            [x, y, z, w] => {
+                let q = UnitQuaternion::new_unchecked(Quaternion::new(*w, *x, *y, *z)) * back;
+                (*x, *y, *z, *w) = (q.i, q.j, q.k, q.w);
+            }
+            [x, y, z] => {
+                let v = R_BS * Vector3::new(*x, *y, *z);
+                (*x, *y, *z) = (v.x, v.y, v.z);
+            }
+            _ => {}
         }
-        [x, y, z] => {
-            let v = R_BS * Vector3::new(*x, *y, *z);
-            (*x, *y, *z) = (v.x, v.y, v.z);
-        }
-        _ => {}
+        Some(())
     });
 }
 
-/// Changes the samples of channels that belong together, at each time at which all of them have one.
+/// Changes the samples of channels that belong together, at each time at which all of them have one; leaves out those of `None`.
 pub(crate) fn each_row(
     channels: &mut [Channel],
     places: &[usize],
-    mut change: impl FnMut(f64, &mut [f64]),
+    mut change: impl FnMut(f64, &mut [f64]) -> Option<()>,
 ) {
-    let Some((times, mut rows)) = complete_rows(channels, places) else {
+    let Some((mut times, rows)) = complete_rows(channels, places) else {
         return;
     };
-    let all = times.iter().zip(&mut rows);
-    all.for_each(|(time, row)| change(*time, row));
+    let all = times.iter().zip(rows);
+    let changed = all.filter_map(|(time, mut row)| {
+        change(*time, &mut row)?;
+        Some((*time, row))
+    });
+    let (kept, rows): (Vec<f64>, Vec<Vec<f64>>) = changed.unzip();
+    if kept.len() < times.len() {
+        times = kept.into();
+    }
     for (k, place) in places.iter().enumerate() {
         if let Some(channel) = channels.get_mut(*place) {
             channel.time_s = Arc::clone(&times);

@@ -84,6 +84,9 @@ pub fn read_parts(parts: &[Part], options: &ReadOptions) -> Result<Table, Faults
     if let Some(map) = &options.map.orbital_frame {
         orbital::to_inertial(&mut table, map);
     }
+    if options.map.inertial_rates {
+        orbital::to_body(&mut table);
+    }
     if options.check_conventions {
         check_conventions(&table)?;
     }

@@ -11,8 +11,9 @@ use poinsot_dynamics::Tree;
 use poinsot_files::{Pace, check_memory};
 use poinsot_formats::{ModelInputFile, sha256};
 use poinsot_identify::{
-    Coordinates, Effect, Estimate, Loss, Modes, Prediction, Problem, Remark, RemarkKind, Settings,
-    linear, linear_predicted, maximum_likelihood_predicted, maximum_likelihood_with, predicted_by,
+    Coordinates, Effect, Estimate, FaultKind, Loss, Modes, Prediction, Problem, Remark, RemarkKind,
+    Settings, linear, linear_predicted, maximum_likelihood_predicted, maximum_likelihood_with,
+    predicted_by,
 };
 use poinsot_model::{Model, TelemetryMap, read_model, read_model_text, read_telemetry_map};
 use poinsot_papers::{Settings as MethodSettings, answered, identify_by, method};
@@ -432,8 +433,29 @@ fn checked(
         findings.into_iter().partition(|f| f.check == Check::Units);
     let mut by_the_fit = std::mem::replace(&mut identified.findings, findings);
     by_the_fit.extend(units);
+    name_lag(&mut identified);
     against_model(&mut identified, by_the_fit, &policies, &labels)?;
     Ok(identified)
+}
+
+/// Share of the misfit below which the first cause of the diagnosis comes after a lag that the telemetry shows by itself.
+const CAUSE: f64 = 0.9;
+
+/// Puts that lag first.
+fn name_lag(identified: &mut Identified) {
+    let lag = identified.findings.iter().find(|f| f.check == Check::Lag);
+    let found = identified.estimate.diagnostics.as_mut();
+    if let (Some(lag), Some(found)) = (lag, found)
+        && !found.findings.is_empty()
+        && found.suspects.first().is_none_or(|s| s.explains < CAUSE)
+    {
+        let cause = poinsot_identify::Finding {
+            fault: FaultKind::Lag,
+            or: Vec::new(),
+            text: lag.text.clone(),
+        };
+        found.findings.insert(0, cause);
+    }
 }
 
 /// All checks of telemetry before the estimation.

@@ -117,7 +117,7 @@ fn settle(proposals: &mut [Proposal], test: &ConventionTest) -> bool {
     let (Some(only), None, "attitude") = (good.next(), good.next(), test.kinds[0]) else {
         return false;
     };
-    let repairs = only.repairs().unwrap_or_default();
+    let repairs = only.repairs();
     let fits = test.verdict == Verdict::DeclaredFits && only.is_declared();
     let mut changed = false;
     for line in proposals.iter_mut().flat_map(|p| p.tested(&test.between)) {

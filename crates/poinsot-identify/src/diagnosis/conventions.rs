@@ -19,7 +19,7 @@ use poinsot_solve::LeastSquares;
 use poinsot_telemetry::Change;
 use table::{Convention, Place};
 
-pub(super) use table::mistake;
+pub(super) use table::{late, mistake};
 
 /// Shares of the record that are tried as its beginning: each twice the one before, so that all fits together take no longer
 /// than one of the whole record.
@@ -27,7 +27,7 @@ const BEGINNINGS: [f64; 4] = [0.0625, 0.125, 0.25, 0.5];
 /// Iterations of such a fit: enough for a decision.
 const MISTAKE_ITERATIONS: usize = 8;
 /// Share of the misfit that a mistake must explain.
-const EXPLAINS: f64 = 0.99;
+pub(super) const EXPLAINS: f64 = 0.99;
 /// Largest excess of chi-square per number of a corrected fit.
 const RIGHT: f64 = 10.0;
 /// How many of a kind are fitted, those that lead nearest.
@@ -54,24 +54,28 @@ pub(super) fn conventions(
     }
     let before = experiment.chi2(&fitted.at, &fitted.evaluated)?;
     let whole = experiment.problem;
-    let share = contradicting(experiment);
+    let (share, before_it) = contradicting(experiment);
     let record = begun(whole, share);
     let problem = whole.with_segments(&record);
-    let short = experiment.with_problem(&problem);
+    let short = Short {
+        experiment: experiment.with_problem(&problem),
+        share,
+        before_it,
+    };
     let mut best: Option<Suspect> = None;
     // Kinds outside, places inside: large factors cause fast motions, which are slow to compute.
     for kind in &kinds {
-        for convention in promising(&short, kind) {
+        for convention in short.promising(kind) {
             let least = best.as_ref().map_or(EXPLAINS * excess, |b| b.decrease);
-            let convention = settled(&short, convention);
-            let after = of_record(experiment, (&short, share), &convention);
+            let convention = short.settled(convention);
+            let after = of_record(experiment, &short, &convention);
             let after = after.map(|a| a + scaled(experiment, &convention));
             let Some(decrease) = after.map(|a| before - a).filter(|d| *d > least) else {
                 continue;
             };
             best = Some(Suspect {
                 repair: convention.repair(whole),
-                ..named(&convention, decrease, excess)
+                ..named(whole, &convention, (decrease, excess))
             });
             // Correct, not only better: the others need no test.
             if excess - decrease < RIGHT * dof {
@@ -82,16 +86,28 @@ pub(super) fn conventions(
     best
 }
 
-/// Share of the shortest beginning of the record that contradicts the model.
-fn contradicting(experiment: &Experiment) -> f64 {
-    let contradicts = |share: &f64| {
+/// The shortest beginning of the record that contradicts the model.
+struct Short<'a> {
+    experiment: Experiment<'a>,
+    share: f64,
+    /// Where the fit of the beginning before it ended, which does not contradict the model.
+    before_it: Option<Iterate>,
+}
+
+/// Its share of the record, and where the fit of the one before it ended.
+fn contradicting(experiment: &Experiment) -> (f64, Option<Iterate>) {
+    let mut before_it = None;
+    for share in BEGINNINGS {
         let segments = experiment.problem.segments.iter();
-        let segments: Vec<Segment> = segments.map(|s| beginning(s, *share)).collect();
+        let segments: Vec<Segment> = segments.map(|s| beginning(s, share)).collect();
         let problem = experiment.problem.with_segments(&segments);
         let short = experiment.with_problem(&problem);
-        fitting(&short, short.nominal_point(), MISTAKE_ITERATIONS).is_none()
-    };
-    BEGINNINGS.into_iter().find(contradicts).unwrap_or(1.0)
+        match fitting(&short, short.nominal_point(), MISTAKE_ITERATIONS) {
+            None => return (share, before_it),
+            found => before_it = found,
+        }
+    }
+    (1.0, before_it)
 }
 
 /// A beginning of the record with samples enough for a decision.
@@ -110,33 +126,68 @@ fn begun(whole: &Problem, share: f64) -> Vec<Segment> {
     whole.segments.iter().map(of).collect()
 }
 
-/// Those with which a few iterations lead nearer than without, the best first.
-fn promising(experiment: &Experiment, kind: &[Convention]) -> Vec<Convention> {
-    let [nominal, fitted] = {
-        let own = experiment.nominal_point();
-        let nominal = experiment.cost(&own);
-        let found = fit_from(experiment, own, MISTAKE_ITERATIONS / 2);
-        [nominal, found.map(|f| experiment.cost_of(&f))].map(|c| c.unwrap_or(f64::INFINITY))
-    };
-    let cost = |c: &Convention| {
-        let own = nominal_cost(experiment, c)?;
-        // What changes nothing here explains nothing; what is far worse moves too fast to be fitted.
-        let tame = own != nominal && own < WILD * nominal;
-        let cost = tame.then(|| fitted_cost(experiment, c)).flatten();
-        let cost = cost.filter(|cost| *cost < BETTER * fitted)?;
-        Some((cost + scaled(experiment, c), c.clone()))
-    };
-    let mut list: Vec<(f64, Convention)> = kind.iter().filter_map(cost).collect();
-    list.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // Of one place with a free value the best is enough: the others lead to it.
-    let mut kept: Vec<Convention> = Vec::new();
-    for (_, convention) in list {
-        let known = |k: &Convention| convention.free.is_some() && k.place == convention.place;
-        if kept.len() < FITTED && !kept.iter().any(known) {
-            kept.push(convention);
+impl Short<'_> {
+    /// The nearer start of a fit, and its cost: the nominal numbers, or what the beginning before tells.
+    fn start(&self, experiment: &Experiment) -> Option<(f64, Iterate)> {
+        let nominal = experiment.nominal_point();
+        let starts = std::iter::once(nominal).chain(self.before_it.clone());
+        let costs = starts.filter_map(|at| Some((experiment.cost(&at)?, at)));
+        costs.min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// Those with which a few iterations lead nearer than without, the best first.
+    fn promising(&self, kind: &[Convention]) -> Vec<Convention> {
+        let own = &self.experiment;
+        let start = self.start(own);
+        let cost = start.as_ref().map_or(f64::INFINITY, |start| start.0);
+        let found = start.and_then(|(_, at)| fit_from(own, at, MISTAKE_ITERATIONS / 2));
+        let fitted = found
+            .and_then(|f| Some(own.cost_of(&f)))
+            .unwrap_or(f64::INFINITY);
+        let leads = |c: &Convention| {
+            let there = put_right(own, c, |other| Some(self.start(other)?.0))?;
+            // What changes nothing here explains nothing; what is far worse moves too fast to be fitted.
+            let tame = there != cost && there < WILD * cost;
+            let cost = tame.then(|| self.fitted_cost(c)).flatten();
+            let cost = cost.filter(|cost| *cost < BETTER * fitted)?;
+            Some((cost + scaled(own, c), c.clone()))
+        };
+        let mut list: Vec<(f64, Convention)> = kind.iter().filter_map(leads).collect();
+        list.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // Of one place with a free value the best is enough: the others lead to it.
+        let mut kept: Vec<Convention> = Vec::new();
+        for (_, convention) in list {
+            let known = |k: &Convention| convention.free.is_some() && k.place == convention.place;
+            if kept.len() < FITTED && !kept.iter().any(known) {
+                kept.push(convention);
+            }
+        }
+        kept
+    }
+
+    /// What the fit of a record with the correction leaves after a few iterations.
+    fn fitted_cost(&self, convention: &Convention) -> Option<f64> {
+        put_right(&self.experiment, convention, |other| {
+            let found = fit_from(other, self.start(other)?.1, MISTAKE_ITERATIONS / 2)?;
+            Some(other.cost_of(&found))
+        })
+    }
+
+    /// A convention with its value where it has a free one.
+    fn settled(&self, convention: Convention) -> Convention {
+        let Some(width) = convention.free else {
+            return convention;
+        };
+        let ends = [convention.value() - width, convention.value() + width];
+        let at = |value: f64| convention.clone().with_value(value);
+        let cost = |c: &Convention| self.fitted_cost(c).unwrap_or(f64::INFINITY);
+        let own = at(least(|value| cost(&at(value)), ends, ACCURACY * width));
+        // The number that an engineer would write, where it fits about as well.
+        match own.rounded() {
+            Some(known) if cost(&known) < RIGHT * cost(&own) => known,
+            _ => own,
         }
     }
-    kept
 }
 
 /// What a factor of measurements adds to `-2 ln L` of those that were read: smaller ones fit anything within their noise.
@@ -150,47 +201,16 @@ fn scaled(experiment: &Experiment, convention: &Convention) -> f64 {
     -2.0 * numbers as f64 * x.abs().ln()
 }
 
-fn nominal_cost(experiment: &Experiment, convention: &Convention) -> Option<f64> {
-    put_right(experiment, convention, |other| {
-        other.cost(&other.nominal_point())
-    })
-}
-
-/// What the fit of a record with the correction leaves after a few iterations.
-fn fitted_cost(experiment: &Experiment, convention: &Convention) -> Option<f64> {
-    put_right(experiment, convention, |other| {
-        let found = fit_from(other, other.nominal_point(), MISTAKE_ITERATIONS / 2)?;
-        Some(other.cost_of(&found))
-    })
-}
-
-/// A convention with its value where it has a free one.
-fn settled(experiment: &Experiment, convention: Convention) -> Convention {
-    let Some(width) = convention.free else {
-        return convention;
-    };
-    let ends = [convention.value() - width, convention.value() + width];
-    let at = |value: f64| convention.clone().with_value(value);
-    let cost = |c: &Convention| fitted_cost(experiment, c).unwrap_or(f64::INFINITY);
-    let own = at(least(|value| cost(&at(value)), ends, ACCURACY * width));
-    // The number that an engineer would write, where it fits about as well.
-    match own.rounded() {
-        Some(known) if cost(&known) < RIGHT * cost(&own) => known,
-        _ => own,
-    }
-}
-
 /// Chi-square of the whole record with the correction, fitted by longer and longer beginnings: what one of them tells of the vehicle
 /// may be far off later. `None` where a beginning does not fit.
-fn of_record(
-    experiment: &Experiment,
-    (short, share): (&Experiment, f64),
-    convention: &Convention,
-) -> Option<f64> {
-    let mut at = put_right(short, convention, |other| {
-        fitting(other, other.nominal_point(), MISTAKE_ITERATIONS / 2)
+fn of_record(experiment: &Experiment, short: &Short, convention: &Convention) -> Option<f64> {
+    let mut at = put_right(&short.experiment, convention, |other| {
+        fitting(other, short.start(other)?.1, MISTAKE_ITERATIONS / 2)
     })?;
-    for longer in BEGINNINGS.into_iter().filter(|longer| *longer > share) {
+    for longer in BEGINNINGS
+        .into_iter()
+        .filter(|longer| *longer > short.share)
+    {
         let segments = begun(experiment.problem, longer);
         let problem = experiment.problem.with_segments(&segments);
         let other = experiment.with_problem(&problem);
@@ -212,10 +232,10 @@ fn fitting(experiment: &Experiment, from: Iterate, iterations: usize) -> Option<
     fits.then_some(found.at)
 }
 
-fn named(convention: &Convention, decrease: f64, excess: f64) -> Suspect {
+fn named(problem: &Problem, convention: &Convention, (decrease, excess): (f64, f64)) -> Suspect {
     let values = convention.values();
     let values = values.map(|(name, value, unit)| SuspectValue::other(name, value, unit));
-    let (fault, words) = convention.named();
+    let (fault, words) = convention.named(problem);
     Suspect {
         explains: (decrease / excess).clamp(0.0, 1.0),
         ..Suspect::new(words, fault, decrease, values.into_iter().collect())

@@ -56,7 +56,8 @@ impl Diagnostics {
 
     /// Whether a convention of the channels explains the misfit.
     pub(crate) fn is_mistaken(&self) -> bool {
-        self.suspects.first().is_some_and(|s| s.repair.is_some())
+        let first = self.suspects.first();
+        first.is_some_and(|s| s.repair.is_some() && s.explains >= conventions::EXPLAINS)
     }
 
     /// Whether the residuals were diagnosed.

@@ -1,6 +1,6 @@
 //! Meaning of a suspect's values, if clear: a wrong sign, a wrong unit.
 
-use super::conventions::mistake;
+use super::conventions::{late, mistake};
 use super::types::{FaultKind, Suspect};
 use crate::fit::experiment::Experiment;
 use crate::problem::parameters::UnknownKind;
@@ -13,10 +13,11 @@ pub(super) fn near(value: f64, wanted: f64) -> bool {
 /// Names the meaning of values, if clear: a wrong sign, a wrong unit.
 pub(super) fn name(experiment: &Experiment, suspect: &mut Suspect) {
     let problem = experiment.problem;
-    let Some((kind, value)) = suspect.first() else {
+    let Some((kind, value)) = suspect.first().map(|(kind, value)| (kind.clone(), value)) else {
         return;
     };
-    match *kind {
+    suspect.repair = late(problem, &kind, value);
+    match kind {
         UnknownKind::SpinInertia(wheel) => {
             let Some(wheel) = problem.model.wheels.get(wheel) else {
                 return;

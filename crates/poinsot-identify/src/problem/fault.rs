@@ -35,7 +35,7 @@ faults! {
         "; check its mounting, or write bias = \"estimate\" for it";
     BiasDrift: "bias_drift", "the bias of a sensor grows with time",
         "; declare it as a random walk (walk_<unit>_s05 of the sensor)";
-    Lag: "lag", "one sensor is delayed relative to the others", "; correct its times, or write lag = \"estimate\" for it";
+    Lag: "lag", "one sensor is delayed relative to the others", "; write it as late_s in its columns, or lag = \"estimate\" for it";
     ClockJump: "clock_jump", "the sensor clock jumps relative to the input clock",
         "; cut the record there into two segments, or correct its times";
     AttitudeJump: "attitude_jump", "the measured attitude jumps", "; cut the record there into two segments";

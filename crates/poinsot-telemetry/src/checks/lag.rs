@@ -2,12 +2,13 @@
 
 use super::{Check, Finding};
 use crate::conventions::pairs::Pairs;
-use crate::{Axes, Channel, Table, full_name, median_step};
+use crate::{Axes, Change, Channel, Repair, Table, full_name, median_step};
 use poinsot_files::rounded;
 use std::sync::Arc;
 
-/// Longest lag tested, s.
+/// Longest lag tested, s, and in steps of the slower sensor.
 const LONGEST_S: f64 = 1.0;
+const LONGEST_STEPS: f64 = 4.0;
 /// Trials on each side of zero.
 const TRIALS: i32 = 20;
 /// Samples of each channel that are used.
@@ -24,7 +25,7 @@ pub(super) fn find(table: &Table) -> Option<Finding> {
     let (q, w) = (short("q")?, short("omega")?);
     let (x, of) = (w.first()?, q.iter().collect::<Vec<_>>());
     let (slow, fast) = (median_step(&q.first()?.time_s)?, median_step(&x.time_s)?);
-    let unit = LONGEST_S.max(2.0 * slow.max(fast)) / f64::from(TRIALS);
+    let unit = LONGEST_S.max(LONGEST_STEPS * slow.max(fast)) / f64::from(TRIALS);
     let residual = |lag: f64| {
         let shifted = w.iter().map(|c| Channel {
             time_s: c.time_s.iter().map(|t| t - lag).collect(),
@@ -51,9 +52,14 @@ pub(super) fn find(table: &Table) -> Option<Finding> {
     if lag.abs() <= 0.5 * fast || least >= DECISIVE * without || without < 1e-3 * rate {
         return None;
     }
-    let late = if lag > 0.0 { "later" } else { "earlier" };
+    let (gyro, attitude) = (full_name(&x.sensor, "gyro"), "attitude".to_owned());
+    // No sensor reads the future: the later one is late.
+    let (late, early, own) = match lag > 0.0 {
+        true => (gyro, attitude, w.as_slice()),
+        false => (attitude, gyro, q.as_slice()),
+    };
     let text = format!(
-        "the gyro is {:.4} s {late} than the attitude ({:.1} samples); that shift reduces their difference from {} to {} rad/s; correct the times, or write lag = \"estimate\" for the sensor",
+        "the {late} is {:.4} s later than the {early} ({:.1} samples); that shift reduces their difference from {} to {} rad/s; write late_s in its columns, or lag = \"estimate\" for the sensor",
         lag.abs(),
         lag.abs() / fast,
         rounded(without, 4),
@@ -61,8 +67,11 @@ pub(super) fn find(table: &Table) -> Option<Finding> {
     );
     let name = format!("{}..z", full_name(&x.sensor, &x.name));
     let all = x.values.len();
+    let channels = own.iter().map(|c| full_name(&c.sensor, &c.name)).collect();
+    let change = Change::Late(lag.abs());
     Some(Finding {
         count: all,
+        repair: Some(Repair { channels, change }),
         ..Finding::new(Check::Lag, name, all, Vec::new(), text)
     })
 }

@@ -315,10 +315,12 @@ fn look(table: &Table, check: Check) -> Vec<Finding> {
         Check::Placeholder => per_channel(table, check, placeholder::find),
         Check::Outlier => per_channel(table, check, outlier::find),
         Check::Saturation => per_channel(table, check, saturation::find),
-        Check::Held | Check::Stuck => sensors()
-            .iter()
-            .filter_map(|sensor| stuck::find(table, sensor, check))
-            .collect(),
+        Check::Held | Check::Stuck => {
+            let slow = (check == Check::Held).then(|| runs::inputs(table));
+            let all = sensors().into_iter().chain(slow.into_iter().flatten());
+            all.filter_map(|sensor| stuck::find(table, &sensor, check))
+                .collect()
+        }
         Check::Lag => lag::find(table).into_iter().collect(),
         Check::Units | Check::MotorTorque => Vec::new(),
     }

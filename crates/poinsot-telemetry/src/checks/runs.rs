@@ -2,7 +2,7 @@
 
 use crate::channel_name::components;
 use crate::median::median;
-use crate::{Channel, Table, full_name};
+use crate::{Channel, Table, classify, full_name};
 
 /// The channels of one vector sensor on one time base.
 pub(super) struct Sensor {
@@ -30,6 +30,21 @@ pub(super) fn sensors(table: &Table) -> Vec<Sensor> {
             channels,
             is_attitude: prefix == "q",
             name: format!("{first}..{last}"),
+        })
+    };
+    all.filter_map(of).collect()
+}
+
+/// Each angle, displacement or speed of a joint or wheel.
+pub(super) fn inputs(table: &Table) -> Vec<Sensor> {
+    let units = ["rad", "rad/s", "m", "m/s"];
+    let all = table.channels.iter().enumerate();
+    let of = |(k, channel): (usize, &Channel)| {
+        let scalar = classify(&channel.name).is_some_and(|name| name.vector().is_none());
+        (scalar && units.contains(&channel.unit.as_str())).then(|| Sensor {
+            channels: vec![k],
+            is_attitude: false,
+            name: full_name(&channel.sensor, &channel.name),
         })
     };
     all.filter_map(of).collect()

@@ -8,6 +8,8 @@ use crate::{Channel, Table};
 const LONG: usize = 8;
 /// Fraction of samples that may repeat by chance in a sensor without coarse quantisation.
 const CHANCE: f64 = 0.02;
+/// Largest step over smallest of a channel that counts steps of one size.
+const ONE_STEP: f64 = 1.001;
 /// Share of its usual rate from which a gyro turns.
 const TURNS: f64 = 0.3;
 
@@ -17,7 +19,9 @@ pub(super) fn find(table: &Table, sensor: &Sensor, check: Check) -> Option<Findi
     let all = runs(samples, |k| channels.iter().all(|c| repeats(c, k)));
     let times_s = channels.first()?.time_s.clone();
     let (stuck, text) = match check {
-        Check::Held => slow(&all, samples).or_else(|| rests_alone(table, &all, samples, sensor)),
+        Check::Held => slow(&all, samples)
+            .filter(|_| !counts(&channels, &all))
+            .or_else(|| rests_alone(table, &all, samples, sensor)),
         _ => hangs(&channels, samples, sensor),
     }?;
     let times = stuck.iter().filter_map(|&k| times_s.get(k).copied());
@@ -25,6 +29,17 @@ pub(super) fn find(table: &Table, sensor: &Sensor, check: Check) -> Option<Findi
         places: sensor.channels.clone(),
         ..Finding::new(check, &sensor.name, samples, times.collect(), text)
     })
+}
+
+/// Whether a channel alone counts steps of one size, as a coarse encoder does, which repeats although it is read each time.
+fn counts(channels: &[&Channel], all: &[(usize, usize)]) -> bool {
+    let [channel] = channels else { return false };
+    let own = all.iter().filter_map(|&(k, _)| channel.values.get(k));
+    let jumps = own.clone().zip(own.skip(1)).map(|(a, b)| (b - a).abs());
+    let (least, most) = jumps.fold((f64::INFINITY, 0.0_f64), |(least, most), jump| {
+        (least.min(jump), most.max(jump))
+    });
+    most < ONE_STEP * least
 }
 
 /// All channels of the sensor repeat in runs of one length: the column is sampled faster than the sensor.
@@ -41,9 +56,10 @@ fn slow(all: &[(usize, usize)], samples: usize) -> Option<(Vec<usize>, String)> 
     if usual < 2 || regular * 10 < 9 * lengths.len() {
         return None;
     }
-    let stuck = all.iter().flat_map(|&(k, n)| k + 1..k + n).collect();
+    // What rests for longer is read all the same.
+    let of = |&(k, n): &(usize, usize)| (k + 1..k + n).filter(move |i| (i - k) % usual != 0);
     Some((
-        stuck,
+        all.iter().flat_map(of).collect(),
         format!(
             "each value is repeated {usual} times: the sensor is slower than its column; only the first sample of each is used"
         ),

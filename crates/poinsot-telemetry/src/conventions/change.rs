@@ -68,6 +68,10 @@ pub enum Change {
     Clock(f64),
     /// The thrust ends later than commanded by this, s.
     ClosesLate(f64),
+    /// The times of the samples are late by this, s.
+    Late(f64),
+    /// Rates are in inertial axes.
+    InertialRates,
     /// Attitudes and rates are relative to orbital axes, which turn at this rate, rad/s.
     OrbitalAxes(f64),
 }
@@ -104,7 +108,13 @@ impl Repair {
     /// ```
     pub fn declare(&self, map: &mut TelemetryMap) -> Option<Vec<Line>> {
         match self.change {
-            Change::Attitude(order, sense) => self.declare_attitude(map, order, sense),
+            Change::Attitude(order, sense) => {
+                self.declare_attitude(map, |attitude| reordered(attitude, order, sense))
+            }
+            Change::Late(late_s) if self.is_attitude() => self.declare_attitude(map, |attitude| {
+                attitude.late_s = later(attitude.late_s, late_s);
+                Some(())
+            }),
             Change::Clock(factor) => declare_clock(map, factor),
             Change::OrbitalAxes(rate_rad_s) => {
                 let frame = OrbitalMap {
@@ -116,6 +126,15 @@ impl Repair {
                     .replace(frame)
                     .is_none()
                     .then(|| vec![line])
+            }
+            Change::InertialRates => {
+                let text = "inertial_rates = true".to_owned();
+                let line = Line {
+                    key: "inertial_rates".to_owned(),
+                    changed: text.clone(),
+                    text,
+                };
+                (!std::mem::replace(&mut map.inertial_rates, true)).then(|| vec![line])
             }
             _ => self.declare_columns(map),
         }
@@ -165,11 +184,15 @@ impl Repair {
         columns.collect()
     }
 
+    fn is_attitude(&self) -> bool {
+        let first = self.channels.first().and_then(|channel| classify(channel));
+        first.is_some_and(|name| matches!(name.vector(), Some(("q", _))))
+    }
+
     fn declare_attitude(
         &self,
         map: &mut TelemetryMap,
-        order: Order,
-        sense: Sense,
+        change: impl Fn(&mut AttitudeMap) -> Option<()>,
     ) -> Option<Vec<Line>> {
         let first = self.channels.first()?;
         let sensor = first.rsplit_once('.').map_or("", |(sensor, _)| sensor);
@@ -186,21 +209,32 @@ impl Repair {
         let own = maps(map).flat_map(|m| &mut m.attitude);
         for attitude in own.filter(|a| is_own(a)) {
             let before = attitude.clone();
-            if order == Order::Wxyz {
-                let last = attitude.order.unwrap_or(Order::Xyzw) == Order::Xyzw;
-                attitude.quaternion.as_ref().filter(|_| last)?;
-                attitude.order = Some(order);
-            }
-            if sense == Sense::InertialToBody {
-                attitude.sense = Some(match attitude.sense() {
-                    Sense::BodyToInertial => Sense::InertialToBody,
-                    Sense::InertialToBody => Sense::BodyToInertial,
-                });
-            }
+            change(attitude)?;
             lines.push(Line::of("attitude", &before, attitude));
         }
         Some(lines)
     }
+}
+
+/// Another order and sense of a quaternion than declared; `None` where it has that order already.
+fn reordered(attitude: &mut AttitudeMap, order: Order, sense: Sense) -> Option<()> {
+    if order == Order::Wxyz {
+        let last = attitude.order.unwrap_or(Order::Xyzw) == Order::Xyzw;
+        attitude.quaternion.as_ref().filter(|_| last)?;
+        attitude.order = Some(order);
+    }
+    if sense == Sense::InertialToBody {
+        attitude.sense = Some(match attitude.sense() {
+            Sense::BodyToInertial => Sense::InertialToBody,
+            Sense::InertialToBody => Sense::BodyToInertial,
+        });
+    }
+    Some(())
+}
+
+/// A delay that is longer by this, s.
+fn later(known_s: Option<f64>, by_s: f64) -> Option<f64> {
+    Some(to_digits(known_s.unwrap_or(0.0) + by_s, DIGITS))
 }
 
 /// The mistake of a unit that a factor puts right; `None` where the factor is none of units.
@@ -272,10 +306,8 @@ fn changed(own: &ColumnMap, change: Change) -> Option<ColumnMap> {
         }
         Change::WrapsAt(x) => new.wraps_at = Some(read(x)?),
         Change::SignedRange(x) => new.signed_range = Some(read(x)?),
-        Change::ClosesLate(x) => {
-            let late = own.closes_late_s.unwrap_or(0.0) + x;
-            new.closes_late_s = Some(to_digits(late, DIGITS));
-        }
+        Change::ClosesLate(x) => new.closes_late_s = later(own.closes_late_s, x),
+        Change::Late(x) => new.late_s = later(own.late_s, x),
         _ => return None,
     }
     Some(new)

@@ -41,8 +41,8 @@ const UNITS: [(Change, &str); 8] = [
 pub(super) struct Row {
     /// The mistake.
     words: String,
-    /// What puts it right; `None` where no line of a map does.
-    repair: Option<Repair>,
+    /// What puts it right.
+    repair: Repair,
 }
 
 /// A row, or none where nothing changes.
@@ -51,13 +51,7 @@ pub(super) type Cell = Option<Arc<Row>>;
 impl Row {
     fn with(words: String, channels: &[String], change: Change) -> Cell {
         let channels = channels.to_vec();
-        let repair = Some(Repair { channels, change });
-        Some(Arc::new(Self { words, repair }))
-    }
-
-    /// A row that no line of a map declares.
-    pub fn without_line(words: &str) -> Cell {
-        let (words, repair) = (words.to_owned(), None);
+        let repair = Repair { channels, change };
         Some(Arc::new(Self { words, repair }))
     }
 
@@ -67,6 +61,7 @@ impl Row {
         let words = match change {
             Change::Factor(x) => format!("{names} times {}", rounded(x, 6)),
             Change::Axes(axes) => format!("{names} in the axes {axes}"),
+            Change::InertialRates => "gyro in inertial axes, not in body axes".to_owned(),
             _ => names,
         };
         Self::with(words, channels, change)
@@ -88,16 +83,16 @@ impl Row {
 
     /// How far it departs from what is declared; a permutation counts more than a sign.
     fn departures(&self) -> usize {
-        match self.repair.as_ref().map(|r| r.change) {
-            Some(Change::Attitude(order, sense)) => {
+        match self.repair.change {
+            Change::Attitude(order, sense) => {
                 2 * usize::from(order == Order::Wxyz)
                     + 2 * usize::from(sense == Sense::InertialToBody)
             }
-            Some(Change::Axes(axes)) => {
+            Change::Axes(axes) => {
                 let signs = axes.sign.iter().filter(|s| **s < 0).count();
                 4 * usize::from(axes.axis != Axes::IDENTITY.axis) + 3 * signs
             }
-            Some(Change::Factor(x)) if x < 0.0 => 3 + 2 * usize::from(x != -1.0),
+            Change::Factor(x) if x < 0.0 => 3 + 2 * usize::from(x != -1.0),
             _ => 2,
         }
     }
@@ -153,17 +148,15 @@ impl Hypothesis {
         self.rows.is_empty()
     }
 
-    /// What makes it the declared one; `None` where no map can.
-    pub fn repairs(&self) -> Option<Vec<Repair>> {
+    /// What makes it the declared one.
+    pub fn repairs(&self) -> Vec<Repair> {
         self.rows.iter().map(|row| row.repair.clone()).collect()
     }
 
     /// Whether the axes are those that are declared.
     pub fn is_along(&self) -> bool {
-        let turns = |row: &Arc<Row>| {
-            let change = row.repair.as_ref().map(|repair| repair.change);
-            matches!(change, None | Some(Change::Axes(_)))
-        };
+        let turns =
+            |row: &Arc<Row>| matches!(row.repair.change, Change::InertialRates | Change::Axes(_));
         !self.rows.iter().any(turns)
     }
 
@@ -178,7 +171,7 @@ impl Hypothesis {
 
     /// Order of the quaternion.
     pub(super) fn order(&self) -> Order {
-        let of = |row: &Arc<Row>| match row.repair.as_ref()?.change {
+        let of = |row: &Arc<Row>| match row.repair.change {
             Change::Attitude(order, _) => Some(order),
             _ => None,
         };

@@ -172,9 +172,10 @@ pub(crate) fn answered(
                 refusal.passing(&model.telemetry, pass).collect()
             }
             Ok(identified) if apply && !identified.passes() => {
-                let way = cause(&identified.estimate).map(std::slice::from_ref);
-                let way = way.and_then(|way| Declared::of(&model.telemetry, way));
-                way.into_iter().collect()
+                let found = identified.findings.iter().filter_map(|f| f.repair.as_ref());
+                let all = cause(&identified.estimate).into_iter().chain(found);
+                let declared = |way| Declared::of(&model.telemetry, std::slice::from_ref(way));
+                all.filter_map(declared).collect()
             }
             Ok(_) => Vec::new(),
         };

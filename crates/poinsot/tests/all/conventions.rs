@@ -12,7 +12,7 @@ use poinsot::case::read_case;
 use poinsot::trials::Study;
 use poinsot::{Identified, Question, Reading, identify_records};
 use poinsot_identify::{BodyEstimate, Estimate};
-use poinsot_model::{Model, Nuisance, Sensor, read_model};
+use poinsot_model::{Model, read_model};
 use poinsot_telemetry::{Part, Table, write};
 use rayon::prelude::*;
 use rows::{Row, Spoil, each, exchange, generated};
@@ -92,23 +92,9 @@ impl Record {
         self.study.draw(trial).0.remove(0)
     }
 
-    /// What is said of a file.
+    /// What is said of a file, or after what was advised.
     fn ask(&self, table: &Table, repair: bool) -> Answer {
-        self.asked_of(self.study.model.clone(), table, repair)
-    }
-
-    /// The same after what was advised: the lines of the map by `--repair`, and that of the model.
-    fn after_advice(&self, table: &Table, said: &str) -> Answer {
-        let mut model = self.study.model.clone();
-        if said.contains("write lag = \"estimate\"") {
-            let late = |sensor: &&mut Sensor| said.contains(&format!("{}.lag", sensor.name));
-            let sensor = model.sensors.iter_mut().find(late).unwrap();
-            sensor.lag = Nuisance::Estimate;
-        }
-        self.asked_of(model, table, true)
-    }
-
-    fn asked_of(&self, model: Model, table: &Table, repair: bool) -> Answer {
+        let model = self.study.model.clone();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("telemetry.parquet");
         write(&path, &table.channels).unwrap();
@@ -226,7 +212,7 @@ impl Tally {
         let right = record.is_right(answer);
         let large = effect > LARGE;
         let named = !right && large && row.is_named_by(&answer.said);
-        let after = named.then(|| record.after_advice(table, &answer.said));
+        let after = named.then(|| record.ask(table, true));
         let repaired = after.as_ref().is_some_and(|a| record.is_right(a));
         let wrong = [Some(answer), after.as_ref()];
         let wrong = wrong.into_iter().flatten().any(|a| record.is_wrong(a));

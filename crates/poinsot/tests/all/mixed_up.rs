@@ -44,7 +44,7 @@ fn stat_exchanged_gyro_axes_are_named_as_such() {
         .unwrap()
         .estimate;
     let found = estimate.diagnostics.unwrap().findings;
-    let right = "other axes of the gyro (body axes = (y, x, z)) would explain 100 % of the misfit";
+    let right = "other axes of the gyro (y, x, z) would explain 100 % of the misfit";
     assert!(found[0].text.starts_with(right), "{}", found[0].text);
 }
 

@@ -4,6 +4,7 @@ use super::table::{Convention, Place, changed, turned};
 use crate::fit::experiment::Experiment;
 use crate::problem::segment::Segment;
 use poinsot_model::SensorKind;
+use poinsot_spatial::Vector3;
 use poinsot_telemetry::Change;
 
 /// The experiment with a convention put right.
@@ -78,11 +79,32 @@ fn put_segment_right(segment: &mut Segment, convention: &Convention, experiment:
                 }
             }
         }
+        // The grid holds the edges; the impulse stays.
+        (Place::Pulses, Change::Late(x)) => {
+            for firing in &mut segment.firings {
+                let edges = [firing.start_s, firing.end_s].map(|t| nearest(&o.time_s, t - x));
+                let length = firing.end_s - firing.start_s;
+                let [start_s, end_s] = edges.map(|k| o.time_s[k]);
+                if end_s > start_s {
+                    firing.force *= length / (end_s - start_s);
+                    (firing.start_s, firing.end_s) = (start_s, end_s);
+                }
+            }
+        }
         // The impulse tells the length: the edges stay.
         (Place::Pulses, Change::ClosesLate(x)) => {
             for firing in &mut segment.firings {
                 let length = firing.end_s - firing.start_s;
                 firing.force *= (1.0 + x / length).max(0.0);
+            }
+        }
+        (Place::Sensor(k), Change::Late(x)) => {
+            if let Some(sensor) = o.sensors.get_mut(*k) {
+                for sample in &mut sensor.samples {
+                    let [from, to] = [sample.from, sample.to].map(|k| o.time_s[k] - x);
+                    (sample.from, sample.to) = (nearest(&o.time_s, from), nearest(&o.time_s, to));
+                }
+                sensor.samples.dedup_by_key(|sample| sample.to);
             }
         }
         (Place::Sensor(k), change) => {
@@ -92,12 +114,31 @@ fn put_segment_right(segment: &mut Segment, convention: &Convention, experiment:
             for sample in &mut sensor.samples {
                 sample.value = changed(sample.value, change);
             }
-            if sensor.kind == SensorKind::Gyro && sensor.body == 0 {
-                let rates = s.w_NB_B.iter_mut();
-                rates.for_each(|w| *w = turned(change, w));
+            let start = &mut s.translation;
+            let read: Vec<&mut Vec<Vector3>> = match sensor.kind {
+                _ if sensor.body != 0 => Vec::new(),
+                SensorKind::Gyro => vec![&mut s.w_NB_B],
+                // Of a velocity or a position alone, the other is made from it.
+                _ => start
+                    .iter_mut()
+                    .flat_map(|t| [&mut t.v_NBo_N, &mut t.p_NoBo_N])
+                    .collect(),
+            };
+            for values in read {
+                values.iter_mut().for_each(|v| *v = turned(change, v));
             }
         }
         _ => {}
+    }
+}
+
+/// The place of the nearest of times.
+fn nearest(times: &[f64], t: f64) -> usize {
+    let next = times.partition_point(|x| *x < t).min(times.len() - 1);
+    let before = next.saturating_sub(1);
+    match times[next] - t < t - times[before] {
+        true => next,
+        false => before,
     }
 }
 

@@ -4,10 +4,12 @@ use super::FaultKind;
 use crate::diagnosis::candidates::moves;
 use crate::fit::experiment::Experiment;
 use crate::problem::Problem;
-use crate::problem::segment::{InputRate, SensorValue};
+use crate::problem::parameters::UnknownKind;
+use crate::problem::segment::{InputRate, SensorRecord, SensorSample, SensorValue};
+use poinsot_dynamics::{SensorError, printed_unit};
 use poinsot_model::{JointKind, SensorKind, rounded};
 use poinsot_spatial::Vector3;
-use poinsot_telemetry::{Axes, Change, Repair, UNIT_FACTORS, unit_mistake};
+use poinsot_telemetry::{Axes, Change, Repair, UNIT_FACTORS, full_name, unit_mistake};
 use std::f64::consts::PI;
 
 /// Ratios that are tried of a joint, of either sign.
@@ -23,6 +25,9 @@ const MOST_JOINTS: usize = 16;
 const ZERO_STEP: f64 = PI / 12.0;
 /// Shares of a typical pulse by which all may be longer or shorter.
 const PULSES: [f64; 6] = [-0.3, -0.1, -0.03, 0.03, 0.1, 0.3];
+
+/// Steps between samples by which their times may be late.
+const STEPS: [f64; 6] = [1.0, 2.0, 3.0, 4.0, 6.0, 8.0];
 
 /// What is read by another convention than declared.
 #[derive(Debug, Clone, PartialEq)]
@@ -115,10 +120,10 @@ pub(super) fn all(experiment: &Experiment) -> Vec<Vec<Convention>> {
     let mut all = vec![factor(&thrusters, 0.0), factor(&thrusters, -1.0), exchanged];
     let factors = [-1.0].into_iter().chain(UNIT_FACTORS);
     all.extend(factors.map(|x| factor(&wheels, x)));
-    all.push(pulses(experiment));
+    all.extend(pulses(experiment));
     all.push(exchanged_forces);
     all.extend(joints(experiment.problem));
-    all.extend(gyro(experiment.problem));
+    all.extend(sensors(experiment.problem));
     all.retain(|kind| !kind.is_empty());
     all
 }
@@ -133,19 +138,31 @@ fn pairs(owners: &[Convention], place: fn(Vec<usize>) -> Place) -> Vec<Conventio
     rows(&all.collect::<Vec<_>>(), &[Change::Exchanged], fixed)
 }
 
-/// All pulses longer or shorter by one time.
-fn pulses(experiment: &Experiment) -> Vec<Convention> {
+/// All pulses longer or shorter by one time, and all that began earlier or later.
+fn pulses(experiment: &Experiment) -> [Vec<Convention>; 2] {
     let segments = experiment.problem.segments.iter();
-    let firings = segments.flat_map(|s| &s.firings);
-    let mut lengths: Vec<f64> = firings.map(|f| f.end_s - f.start_s).collect();
-    if lengths.len() < 2 {
-        return Vec::new();
-    }
-    lengths.sort_by(f64::total_cmp);
-    let typical = lengths[lengths.len() / 2];
+    let firings = segments.clone().flat_map(|s| &s.firings);
+    let lengths: Vec<f64> = firings.map(|f| f.end_s - f.start_s).collect();
+    let times = segments.flat_map(|s| s.observations.time_s.windows(2));
+    let steps: Vec<f64> = times.map(|t| t[1] - t[0]).collect();
     let every = each(["every pulse"], |_| Place::Pulses);
-    let changes = PULSES.map(|share| Change::ClosesLate(share * typical));
-    rows(&every, &changes, |late| Some(0.8 * late.abs()))
+    let every = if lengths.len() < 2 { &[] } else { &every[..] };
+    let [length, step] = [median(lengths), median(steps)];
+    let longer = PULSES.map(|share| Change::ClosesLate(share * length));
+    let late: Vec<Change> = STEPS
+        .iter()
+        .flat_map(|k| [*k, -*k].map(|k| Change::Late(k * step)))
+        .collect();
+    [
+        rows(every, &longer, |late| Some(0.8 * late.abs())),
+        rows(every, &late, fixed),
+    ]
+}
+
+/// The middle one, or 0 of none.
+fn median(mut all: Vec<f64>) -> f64 {
+    all.sort_by(f64::total_cmp);
+    all.get(all.len() / 2).copied().unwrap_or_default()
 }
 
 /// Signs, exchanged columns, zeros, ratios and units of joints.
@@ -188,23 +205,44 @@ fn joints(problem: &Problem) -> Vec<Vec<Convention>> {
     ]
 }
 
-/// Axes and units of the gyro of a record without attitude; with one, both are compared as they are read.
-fn gyro(problem: &Problem) -> [Vec<Convention>; 2] {
-    let mut observed = problem.segments.iter().map(|s| &s.observations);
-    let first = observed.clone().next().map(|o| &o.sensors);
-    let seen = observed.any(|o| o.reads(SensorKind::Attitude));
-    let sensors = first.into_iter().flatten().enumerate().filter(|_| !seen);
-    let gyros = sensors.filter(|(_, s)| s.kind == SensorKind::Gyro);
-    let gyros =
-        gyros.map(|(k, s)| Convention::as_declared(Place::Sensor(k), format!("the {}", s.name)));
-    let gyros: Vec<Convention> = gyros.collect();
+/// Sensors whose axes and units only the motion tells where no other sensor of the record, which is compared with them as they are read,
+/// measures the same; and factors that put their units right.
+const ALONE: [(SensorKind, SensorKind, [f64; 2]); 3] = [
+    (
+        SensorKind::Gyro,
+        SensorKind::Attitude,
+        [UNIT_FACTORS[0], UNIT_FACTORS[1]],
+    ),
+    (SensorKind::Velocity, SensorKind::Position, [1.0e3, 1.0e-3]),
+    (SensorKind::Position, SensorKind::Velocity, [1.0e3, 1.0e-3]),
+];
+
+/// Axes and units of sensors that are alone.
+fn sensors(problem: &Problem) -> Vec<Vec<Convention>> {
+    let observed = problem.segments.iter().map(|s| &s.observations);
+    let Some(first) = observed.clone().next() else {
+        return Vec::new();
+    };
+    let time_s = &first.time_s;
+    let mut alone = ALONE.to_vec();
+    alone.retain(|(_, other, _)| !observed.clone().any(|o| o.reads(*other)));
     let axes = Axes::all().filter(|axes| *axes != Axes::IDENTITY);
     let axes: Vec<Change> = axes.map(Change::Axes).collect();
-    let [degrees, rpm, ..] = UNIT_FACTORS.map(Change::Factor);
-    [
-        rows(&gyros, &axes, fixed),
-        rows(&gyros, &[degrees, rpm], fixed),
-    ]
+    let of = |(k, sensor): (usize, &SensorRecord)| {
+        let (_, _, units) = alone.iter().find(|row| row.0 == sensor.kind)?;
+        let own = [Convention::as_declared(
+            Place::Sensor(k),
+            format!("the {}", sensor.name),
+        )];
+        let units = units.map(Change::Factor);
+        let times = sensor.samples.windows(2);
+        let step = |two: &[SensorSample]| time_s[two[1].to] - time_s[two[0].to];
+        let step = median(times.map(step).collect());
+        let late = STEPS.map(|k| Change::Late(k * step));
+        Some([&axes[..], &units, &late].map(|changes| rows(&own, changes, fixed)))
+    };
+    let sensors = first.sensors.iter().enumerate();
+    sensors.filter_map(of).flatten().collect()
 }
 
 impl Convention {
@@ -219,7 +257,7 @@ impl Convention {
 
     pub fn value(&self) -> f64 {
         match self.change {
-            Change::Factor(x) | Change::Offset(x) | Change::ClosesLate(x) => x,
+            Change::Factor(x) | Change::Offset(x) | Change::ClosesLate(x) | Change::Late(x) => x,
             _ => f64::NAN,
         }
     }
@@ -245,8 +283,8 @@ impl Convention {
     }
 
     /// The mistake.
-    pub fn named(&self) -> (FaultKind, String) {
-        use FaultKind::{Convention, Thrust, WheelExchange};
+    pub fn named(&self, problem: &Problem) -> (FaultKind, String) {
+        use FaultKind::{Convention, Lag, Thrust, WheelExchange};
         let owner = &self.owner;
         match (&self.place, self.change) {
             (Place::Thrusters(_), Change::Factor(0.0)) => (Thrust, format!("no force of {owner}")),
@@ -261,6 +299,8 @@ impl Convention {
                 let words = format!("{owner} {by} s {off} than commanded ({key})");
                 (Convention, words)
             }
+            (Place::Pulses, Change::Late(_)) => (Lag, "a lag of the thrust".to_owned()),
+            (_, Change::Late(_)) => (Lag, format!("a lag of {owner}")),
             (Place::Wheels(_), Change::Exchanged) => {
                 (WheelExchange, format!("exchanged speeds of {owner}"))
             }
@@ -271,7 +311,7 @@ impl Convention {
                 (Convention, words)
             }
             (_, Change::Axes(axes)) => {
-                let words = format!("other axes of {owner} (body axes = {axes})");
+                let words = format!("other axes of {owner} {axes}");
                 (Convention, words)
             }
             (Place::Joints(_), Change::Factor(-1.0)) => {
@@ -279,6 +319,12 @@ impl Convention {
                 (Convention, words)
             }
             (Place::Joints(_), Change::Factor(x)) => mistake(owner, "rad", x),
+            (Place::Sensor(k), Change::Factor(x)) => {
+                let record = problem.segments.first();
+                let sensor = record.and_then(|s| s.observations.sensors.get(*k));
+                let unit = sensor.map_or("1", |s| printed_unit(s.kind.unit(false)));
+                mistake(owner, unit, x)
+            }
             (_, Change::Factor(x)) => mistake(owner, "rad/s", x),
             _ => (Convention, format!("exchanged columns of {owner}")),
         }
@@ -308,11 +354,12 @@ impl Convention {
             Place::Pulses => (0..model.thrusters.len()).filter_map(force).collect(),
             Place::Thrusters(_) if self.change == Change::Factor(0.0) => return None,
             Place::Thrusters(which) => which.iter().filter_map(|k| force(*k)).collect(),
-            Place::Sensor(_) => SensorKind::Gyro
-                .columns()
-                .iter()
-                .map(|c| (*c).to_owned())
-                .collect(),
+            Place::Sensor(k) => {
+                let record = problem.segments.first()?.observations.sensors.get(*k)?;
+                let sensor = record.name.split_once('.').map_or("", |(_, own)| own);
+                let columns = record.kind.columns().iter();
+                columns.map(|c| full_name(sensor, c)).collect()
+            }
         };
         let change = self.change;
         Some(Repair { channels, change })
@@ -324,10 +371,38 @@ impl Convention {
         match (&self.place, self.change) {
             (_, Change::Factor(x)) => Some((format!("{owner}.factor"), x, "1")),
             (_, Change::ClosesLate(x)) => Some(("thrust.closes_late".to_owned(), x, "s")),
+            (Place::Pulses, Change::Late(x)) => Some(("thrust.late".to_owned(), x, "s")),
+            (_, Change::Late(x)) => Some((format!("{owner}.late"), x, "s")),
             (_, Change::Offset(x)) => Some((format!("{owner}.offset"), x, "rad")),
             _ => None,
         }
     }
+}
+
+/// What puts a lag right: other times.
+pub(in crate::diagnosis) fn late(
+    problem: &Problem,
+    kind: &UnknownKind,
+    lag_s: f64,
+) -> Option<Repair> {
+    let (place, late_s) = match kind {
+        UnknownKind::WheelLag(which) => (Place::Wheels(which.clone()), lag_s),
+        UnknownKind::JointLag(which) => (Place::Joints(which.clone()), lag_s),
+        // Thrust that acts late has samples that are early.
+        UnknownKind::ThrusterLag(which) => (Place::Thrusters(which.clone()), -lag_s),
+        UnknownKind::Sensor {
+            sensor,
+            error: SensorError::Lag,
+        } => {
+            let mut all = problem.segments.first()?.observations.sensors.iter();
+            let own = all.position(|s| s.sensor == Some(*sensor))?;
+            (Place::Sensor(own), lag_s)
+        }
+        _ => return None,
+    };
+    let mut row = Convention::as_declared(place, String::new());
+    row.change = Change::Late(late_s);
+    row.repair(problem)
 }
 
 /// The mistake that a factor of a number puts right whose unit is this.

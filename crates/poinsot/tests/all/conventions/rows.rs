@@ -154,7 +154,7 @@ fn samples(owner: &Owner) -> Vec<Row> {
     let late = samples_late(owner);
     vec![
         Row::new("held", name, &[name, "held|repeated"], held),
-        Row::new("late", name, &[name, "lag|late"], late),
+        Row::new("late", name, &[name, "lag|late_s"], late),
     ]
 }
 
@@ -449,7 +449,7 @@ pub fn generated(model: &Model, table: &Table) -> Vec<Row> {
                 rows.push(Row::new(
                     "late",
                     name,
-                    &["lag|late|thrust"],
+                    &["lag of|late_s|delayed thrust"],
                     samples_late(&all),
                 ));
             }
