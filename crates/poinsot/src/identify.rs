@@ -433,26 +433,30 @@ fn checked(
         findings.into_iter().partition(|f| f.check == Check::Units);
     let mut by_the_fit = std::mem::replace(&mut identified.findings, findings);
     by_the_fit.extend(units);
-    name_lag(&mut identified);
+    name_first(&mut identified);
     against_model(&mut identified, by_the_fit, &policies, &labels)?;
     Ok(identified)
 }
 
-/// Share of the misfit below which the first cause of the diagnosis comes after a lag that the telemetry shows by itself.
+/// Share of the misfit below which the first cause of the diagnosis comes after what the telemetry shows by itself.
 const CAUSE: f64 = 0.9;
 
-/// Puts that lag first.
-fn name_lag(identified: &mut Identified) {
-    let lag = identified.findings.iter().find(|f| f.check == Check::Lag);
+/// Puts that first: a lag, a placeholder.
+fn name_first(identified: &mut Identified) {
+    let mut own = identified.findings.iter();
+    let own = own.find(|f| f.repair.is_some() && f.policy == Policy::Report);
     let found = identified.estimate.diagnostics.as_mut();
-    if let (Some(lag), Some(found)) = (lag, found)
+    if let (Some(own), Some(found)) = (own, found)
         && !found.findings.is_empty()
         && found.suspects.first().is_none_or(|s| s.explains < CAUSE)
     {
         let cause = poinsot_identify::Finding {
-            fault: FaultKind::Lag,
+            fault: match own.check {
+                Check::Lag => FaultKind::Lag,
+                _ => FaultKind::Outliers,
+            },
             or: Vec::new(),
-            text: lag.text.clone(),
+            text: format!("{}: {}", own.channel, own.text),
         };
         found.findings.insert(0, cause);
     }

@@ -3,11 +3,12 @@
 use crate::answer::covariance::Row;
 use crate::diagnosis::Assumed;
 use crate::fit::known_numbers::Effects;
+use crate::problem::parameters::Equations;
 use crate::solution::estimate::{KnownEffect, KnownNumbers};
 use crate::solution::evidence::Remark;
 use crate::solution::solved::Solution;
 use nalgebra::DVector;
-use poinsot_model::{KnownNumber, Model};
+use poinsot_model::{KnownNumber, Model, Sensor, SensorKind};
 use std::collections::HashSet;
 
 /// Sigmas without the known numbers, and the effect of each; `rows` are those of the covariance.
@@ -109,6 +110,31 @@ fn common_thrust(model: &Model, solution: &Solution) -> Option<Assumed> {
     })
 }
 
+/// What is tried of the point whose velocity and position are read, m.
+const POINT_OFF_M: f64 = 0.01;
+
+/// The mass centre that moves most, in its sigmas, where velocity and position are of another point of the base by so much.
+fn reference_point<'a>(
+    model: &Model,
+    solution: &Solution,
+    rows: &'a [Row],
+) -> Option<(f64, &'a String)> {
+    let base = model.bodies.first().filter(|base| base.estimate.com)?;
+    let is_read =
+        |s: &Sensor| s.body == 0 && matches!(s.kind, SensorKind::Velocity | SensorKind::Position);
+    let moves = solution.parameters.equations != Equations::Rotation;
+    model.sensors.iter().find(|s| moves && is_read(s))?;
+    let com = |row: &&Row| {
+        let own = row.name.strip_prefix(&base.name).unwrap_or(&row.name);
+        own.trim_start_matches('.').starts_with("com_")
+    };
+    let sizes = rows.iter().filter(com).filter_map(|row| {
+        let sigma = sigma_of_row(solution, row);
+        (sigma > 0.0).then(|| (POINT_OFF_M / sigma, &row.name))
+    });
+    sizes.max_by(|a, b| a.0.total_cmp(&b.0))
+}
+
 /// One remark for each assumption that no sample tells of: what the answer owes to it. Of those of one kind the largest is told.
 pub(crate) fn assumptions(model: &Model, solution: &Solution, rows: &[Row]) -> Vec<Remark> {
     let own = solution.likelihood.as_ref();
@@ -125,6 +151,14 @@ pub(crate) fn assumptions(model: &Model, solution: &Solution, rows: &[Row]) -> V
     let mut effects: Vec<_> = (all.iter().chain(&common))
         .map(|of| (of, largest(of)))
         .collect();
+    let point = Assumed {
+        what:
+            "velocity and position are those of the place of their sensor, not of the mass centre"
+                .to_owned(),
+        change: format!("{POINT_OFF_M} m off"),
+        shift: Vec::new(),
+    };
+    effects.extend(reference_point(model, solution, rows).map(|largest| (&point, Some(largest))));
     let size = |effect: &Option<(f64, &String)>| effect.as_ref().map_or(0.0, |e| e.0);
     effects.sort_by(|a, b| size(&b.1).total_cmp(&size(&a.1)));
     let mut told: HashSet<&str> = HashSet::new();

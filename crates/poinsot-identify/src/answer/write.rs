@@ -12,6 +12,7 @@ use crate::answer::signatures::{at_origin, equal_scales};
 use crate::certify::naming;
 use crate::problem::Problem;
 use crate::problem::parameters::Equations;
+use crate::problem::parameters::UnknownKind;
 use crate::remedies;
 use crate::solution::estimate::{
     BodyEstimate, Estimate, Identifiability, NamedNumber, Number, Status,
@@ -117,7 +118,19 @@ fn whole(
         return Some((BodyEstimate { name, ..body }, Vec::new()));
     }
     let samples = &problem.segments.first()?.samples;
-    let position = samples.joint_position.get(..problem.tree.dof())?.to_vec();
+    let mut position = samples.joint_position.get(..problem.tree.dof())?.to_vec();
+    // A sample is (1 + scale) truth + offset.
+    let errors = || solution.parameters.unknowns.iter().zip(&solution.x);
+    for (unknown, offset) in errors() {
+        if let UnknownKind::JointOffset(k) = unknown.kind {
+            position[k] -= offset;
+        }
+    }
+    for (unknown, scale) in errors() {
+        if let UnknownKind::JointScale(k) = unknown.kind {
+            position[k] /= 1.0 + scale;
+        }
+    }
     Some((
         system(estimator, solution, problem.tree, &position),
         position,

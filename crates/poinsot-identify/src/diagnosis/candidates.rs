@@ -25,6 +25,9 @@ const ALONG: f64 = 0.99;
 /// What is tried of a joint that the model holds, rad and m, and of a rotor, as a share of the inertia of its link.
 const HELD_OFF_RAD: f64 = 0.1;
 const HELD_OFF_M: f64 = 0.01;
+/// The same of the zero of one that moves.
+const ZERO_OFF_RAD: f64 = 0.01;
+const ZERO_OFF_M: f64 = 0.001;
 const ROTOR: f64 = 0.01;
 
 /// Candidate faults of one kind.
@@ -261,6 +264,8 @@ pub(super) struct Assumption {
     /// What is tried, in words and in the unit of the number.
     pub change: String,
     pub step: f64,
+    /// Whether samples may tell of it.
+    pub is_tested: bool,
 }
 
 /// The assumptions among the candidates: joints that the model holds, and no geared rotors.
@@ -271,18 +276,24 @@ pub(super) fn assumptions(problem: &Problem, candidates: &[Candidate]) -> Vec<As
         .flat_map(|c| c.unknowns.iter().map(move |u| (c.fault, &u.kind)));
     let of = |(place, (unknown, (fault, kind))): (usize, (&Unknown, (FaultKind, &UnknownKind)))| {
         match kind {
-            UnknownKind::JointOffset(k) if is_held(problem, *k) => {
-                let joint = joint_of(problem, *k)?;
-                let step = match joint.kind {
-                    JointKind::Prismatic => HELD_OFF_M,
-                    _ => HELD_OFF_RAD,
+            UnknownKind::JointOffset(k) => {
+                let (joint, held) = (joint_of(problem, *k)?, is_held(problem, *k));
+                let step = match (joint.kind, held) {
+                    (JointKind::Prismatic, true) => HELD_OFF_M,
+                    (JointKind::Prismatic, false) => ZERO_OFF_M,
+                    (_, true) => HELD_OFF_RAD,
+                    (_, false) => ZERO_OFF_RAD,
                 };
                 let (name, unit) = (&joint.name, unknown.unit);
                 Some(Assumption {
                     place,
-                    what: format!("{name} locked at {} {unit}", joint.standing_at()),
+                    what: match held {
+                        true => format!("{name} locked at {} {unit}", joint.standing_at()),
+                        false => format!("the zero of {name}"),
+                    },
                     change: format!("{step} {unit} off"),
                     step,
+                    is_tested: !held,
                 })
             }
             _ if fault == FaultKind::GearedRotor => {
@@ -295,6 +306,7 @@ pub(super) fn assumptions(problem: &Problem, candidates: &[Candidate]) -> Vec<As
                     what: "no geared rotors in the joints".to_owned(),
                     change: format!("1 % of the inertia of the link of {name} in one"),
                     step,
+                    is_tested: false,
                 })
             }
             _ => None,

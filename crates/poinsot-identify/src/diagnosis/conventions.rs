@@ -7,6 +7,7 @@
 mod change;
 mod table;
 
+use super::channels::channels;
 use super::types::{FaultKind, Suspect, SuspectValue};
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::part_of_record::{FEW, beginning, thinned};
@@ -32,10 +33,12 @@ pub(super) const EXPLAINS: f64 = 0.99;
 const RIGHT: f64 = 10.0;
 /// How many of a kind are fitted, those that lead nearest.
 const FITTED: usize = 6;
-/// Factor of the cost with the nominal numbers beyond which nothing is fitted, and of that after a few iterations to which a
+/// Factor of the cost with the nominal numbers beyond which nothing is fitted, and of the misfit after a few iterations to which a
 /// convention lowers it.
 const WILD: f64 = 100.0;
 const BETTER: f64 = 0.5;
+/// Mean square of a sensor's residual, in its noise, below which its readings tell nothing.
+const SILENT: f64 = 0.04;
 /// Accuracy of a free value, as a share of the width of its search.
 const ACCURACY: f64 = 0.01;
 
@@ -45,10 +48,12 @@ pub(super) fn conventions(
     fitted: &Fitted,
     (excess, dof): (f64, f64),
 ) -> Option<Suspect> {
-    if excess < experiment.settings.diagnosis.gross_misfit * dof {
-        return None;
-    }
-    let kinds = table::all(experiment);
+    // Axes that turn slowly are no gross mistake.
+    let mut kinds = match excess < experiment.settings.diagnosis.gross_misfit * dof {
+        true => vec![table::frame(experiment.problem)],
+        false => table::all(experiment),
+    };
+    kinds.retain(|kind| !kind.is_empty());
     if kinds.is_empty() {
         return None;
     }
@@ -68,11 +73,13 @@ pub(super) fn conventions(
         for convention in short.promising(kind) {
             let least = best.as_ref().map_or(EXPLAINS * excess, |b| b.decrease);
             let convention = short.settled(convention);
-            let after = of_record(experiment, &short, &convention);
-            let after = after.map(|a| a + scaled(experiment, &convention));
-            let Some(decrease) = after.map(|a| before - a).filter(|d| *d > least) else {
+            let Some((convention, after)) = of_record(experiment, &short, convention) else {
                 continue;
             };
+            let decrease = before - after;
+            if decrease <= least {
+                continue;
+            }
             best = Some(Suspect {
                 repair: convention.repair(whole),
                 ..named(whole, &convention, (decrease, excess))
@@ -141,16 +148,15 @@ impl Short<'_> {
         let start = self.start(own);
         let cost = start.as_ref().map_or(f64::INFINITY, |start| start.0);
         let found = start.and_then(|(_, at)| fit_from(own, at, MISTAKE_ITERATIONS / 2));
-        let fitted = found
-            .and_then(|f| Some(own.cost_of(&f)))
-            .unwrap_or(f64::INFINITY);
+        let (fitted, rows) =
+            found.map_or((f64::INFINITY, 0.0), |f| (own.cost_of(&f), f.rows() as f64));
         let leads = |c: &Convention| {
             let there = put_right(own, c, |other| Some(self.start(other)?.0))?;
             // What changes nothing here explains nothing; what is far worse moves too fast to be fitted.
             let tame = there != cost && there < WILD * cost;
             let cost = tame.then(|| self.fitted_cost(c)).flatten();
-            let cost = cost.filter(|cost| *cost < BETTER * fitted)?;
-            Some((cost + scaled(own, c), c.clone()))
+            let cost = cost.filter(|cost| *cost - rows < BETTER * (fitted - rows))?;
+            Some((cost, c.clone()))
         };
         let mut list: Vec<(f64, Convention)> = kind.iter().filter_map(leads).collect();
         list.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -190,21 +196,28 @@ impl Short<'_> {
     }
 }
 
-/// What a factor of measurements adds to `-2 ln L` of those that were read: smaller ones fit anything within their noise.
-fn scaled(experiment: &Experiment, convention: &Convention) -> f64 {
-    let (Place::Sensor(k), Change::Factor(x)) = (&convention.place, convention.change) else {
-        return 0.0;
+/// Whether the sensor of a convention is far less noisy than declared: smaller measurements fit anything within their noise.
+fn silences(experiment: &Experiment, fitted: &Fitted, convention: &Convention) -> bool {
+    let (Place::Sensor(k), Change::Factor(_)) = (&convention.place, convention.change) else {
+        return false;
     };
-    let segments = experiment.problem.segments.iter();
-    let sensors = segments.filter_map(|s| s.observations.sensors.get(*k));
-    let numbers: usize = sensors.map(|s| s.kind.numbers() * s.samples.len()).sum();
-    -2.0 * numbers as f64 * x.abs().ln()
+    let first = experiment.problem.segments.first();
+    let sensor = first.and_then(|s| s.observations.sensors.get(*k));
+    let channels = channels(fitted);
+    let mut own = channels
+        .iter()
+        .filter(|c| sensor.is_some_and(|s| s.name == c.name));
+    own.any(|c| c.chi2_per_number < SILENT)
 }
 
-/// Chi-square of the whole record with the correction, fitted by longer and longer beginnings: what one of them tells of the vehicle
-/// may be far off later. `None` where a beginning does not fit.
-fn of_record(experiment: &Experiment, short: &Short, convention: &Convention) -> Option<f64> {
-    let mut at = put_right(&short.experiment, convention, |other| {
+/// A convention with its value by the whole record, and the chi-square that it leaves: fitted by longer and longer beginnings, as what
+/// one of them tells of the vehicle may be far off later. `None` where a beginning does not fit.
+fn of_record(
+    experiment: &Experiment,
+    short: &Short,
+    convention: Convention,
+) -> Option<(Convention, f64)> {
+    let mut at = put_right(&short.experiment, &convention, |other| {
         fitting(other, short.start(other)?.1, MISTAKE_ITERATIONS / 2)
     })?;
     for longer in BEGINNINGS
@@ -214,14 +227,43 @@ fn of_record(experiment: &Experiment, short: &Short, convention: &Convention) ->
         let segments = begun(experiment.problem, longer);
         let problem = experiment.problem.with_segments(&segments);
         let other = experiment.with_problem(&problem);
-        at = put_right(&other, convention, |other| {
+        at = put_right(&other, &convention, |other| {
             fitting(other, at, MISTAKE_ITERATIONS)
         })?;
     }
-    put_right(experiment, convention, |other| {
-        let found = fit_from(other, at, MISTAKE_ITERATIONS)?;
-        other.chi2(&found.at, &found.evaluated)
-    })
+    let left = |convention: &Convention| {
+        put_right(experiment, convention, |other| {
+            let found = fit_from(other, at.clone(), MISTAKE_ITERATIONS)?;
+            let chi2 = other.chi2(&found.at, &found.evaluated);
+            chi2.filter(|_| !silences(other, &found, convention))
+        })
+    };
+    let own = left(&convention)?;
+    Some(refined(convention, own, left))
+}
+
+/// The convention with the lowest chi-square of a parabola over its value, where it has a free one that is no round number.
+fn refined(
+    convention: Convention,
+    own: f64,
+    left: impl Fn(&Convention) -> Option<f64>,
+) -> (Convention, f64) {
+    let step = convention.free.map_or(0.0, |width| ACCURACY * width);
+    let at = |value: f64| convention.clone().with_value(value);
+    let value = convention.value();
+    if step > 0.0
+        && convention
+            .rounded()
+            .is_none_or(|known| known.value() != value)
+        && let (Some(before), Some(after)) = (left(&at(value - step)), left(&at(value + step)))
+    {
+        let bend = before - 2.0 * own + after;
+        let better = at(value + 0.5 * step * (before - after) / bend);
+        if let Some(least) = left(&better).filter(|least| bend > 0.0 && *least < own) {
+            return (better, least);
+        }
+    }
+    (convention, own)
 }
 
 /// Where a fit ends that explains the record roughly.

@@ -37,6 +37,7 @@ pub use types::{
 use crate::fit::Fitted;
 use crate::fit::experiment::Experiment;
 use candidates::{assumptions, candidates};
+use projected::Projected;
 use shared_noise::SharedNoise;
 use suspects::Misfit;
 use table::Table;
@@ -142,7 +143,7 @@ fn weighed(
     let mut others = noise_models::noise_models(experiment, fitted, &out.channels, about, of);
     if let Some(table) = &table {
         let projected = table.projected(experiment, fitted, None);
-        out.assumed = assumed(experiment, fitted, &candidates, table);
+        out.assumed = assumed(experiment, fitted, &candidates, (table, &projected));
         others.extend(onset::onsets(
             experiment,
             fitted,
@@ -180,9 +181,14 @@ fn assumed(
     experiment: &Experiment,
     fitted: &Fitted,
     candidates: &[candidates::Candidate],
-    table: &Table,
+    (table, projected): (&Table, &Projected),
 ) -> Vec<Assumed> {
-    let list = assumptions(experiment.problem, candidates);
+    let mut list = assumptions(experiment.problem, candidates);
+    // What the samples tell as well is no assumption.
+    list.retain(|one| {
+        let told = || projected.score(&[one.place], None).covariance[(0, 0)].sqrt() < one.step;
+        !one.is_tested || !told()
+    });
     let places: Vec<usize> = list.iter().map(|a| a.place).collect();
     let shifts = table.shifts(experiment, fitted, &places);
     let pairs = list.into_iter().zip(shifts.into_iter().flatten());

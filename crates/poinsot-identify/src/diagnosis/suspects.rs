@@ -19,6 +19,8 @@ const IMPOSSIBLE: f64 = 3.0;
 const AS_MUCH: f64 = 0.95;
 /// Largest eigenvalue of the tensor of a gravity gradient, 1/s2: `3 gm / r^3` of the Earth at its surface.
 const STEEPEST: f64 = 4.6e-6;
+/// How many times that a tide may be: a position that drifts otherwise is like one.
+const TIDE: f64 = 20.0;
 /// Probability above which it is a number with all its digits.
 const REPRESENTED: f64 = 1.0e-280;
 /// Terms of the tail of a probability below that.
@@ -222,9 +224,17 @@ impl Scored {
             }
             // A tensor without a trace whose eigenvalues are below that bound has elements below it. Where they are known far
             // worse than it, none below it explains what these do.
-            FaultKind::GravityGradient => {
+            fault @ (FaultKind::GravityGradient | FaultKind::Tide) => {
+                let most = match fault {
+                    FaultKind::Tide => TIDE * STEEPEST,
+                    _ => STEEPEST,
+                };
                 let mut each = values.zip(&self.sigmas).take(GRADIENT);
-                each.all(|(x, sigma)| x.abs() < STEEPEST + IMPOSSIBLE * sigma.min(STEEPEST))
+                each.all(|(x, sigma)| x.abs() < most + IMPOSSIBLE * sigma.min(most))
+            }
+            FaultKind::KnownNumber => {
+                let mut each = self.suspect.values.iter();
+                each.all(|v| v.unit != "kg" || v.value > 0.0)
             }
             // Mass is lost, not gained.
             FaultKind::PropellantUse => value(0) > -IMPOSSIBLE * sigma(0),

@@ -5,8 +5,9 @@
 
 use super::steps::Grid;
 use super::vehicle::Vehicle;
-use crate::problem::segment::Observations;
+use crate::problem::segment::{Observations, SensorValue};
 use poinsot_dynamics::{Composite, Kinematics, Motion as Joint, Tree, composite, wheel_momentum};
+use poinsot_model::SensorKind;
 use poinsot_spatial::{Matrix3, Vector3};
 
 /// Largest turn of base and joints in a step, rad.
@@ -117,10 +118,21 @@ fn nutation(I: &Matrix3, h: &Vector3) -> f64 {
 }
 
 /// Size of the rate of the base at every grid time, rad/s: between two measurements the larger one. A single outlier does
-/// not count. Where no rate is measured, that of the attitude; zero where neither is.
+/// not count. Where no rate is measured on the base, that on a link, or of the attitude; zero where none is.
 fn measured_rate(o: &Observations) -> Vec<f64> {
     let n = o.time_s.len();
     let mut known: Vec<(usize, f64)> = o.rates().map(|(k, w)| (k, w.norm())).collect();
+    let of_link = o
+        .of_kind(SensorKind::Gyro)
+        .take(usize::from(known.is_empty()));
+    known.extend(
+        of_link
+            .flat_map(|r| &r.samples)
+            .filter_map(|s| match s.value {
+                SensorValue::Vector(w) => Some((s.to, w.norm())),
+                _ => None,
+            }),
+    );
     if known.is_empty() {
         let attitude: Vec<_> = o.attitudes().collect();
         let turn = attitude.windows(2).map(|pair| {

@@ -10,7 +10,7 @@ mod saturation;
 mod stuck;
 mod wrap;
 
-use crate::{Channel, Dimension, Repair, Table, full_name, median_step};
+use crate::{Change, Channel, Dimension, Repair, Table, full_name, median_step};
 use poinsot_files::{Faults, Place};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -339,9 +339,14 @@ fn per_channel(table: &Table, check: Check, find: Find) -> Vec<Finding> {
     let groups = vectors.map(|s| s.channels.clone());
     let of = |places: Vec<usize>| -> Vec<Finding> {
         let one = |channel: &Channel| {
+            let found = find(channel)?;
+            let value = found.0.first().and_then(|k| channel.values.get(*k));
+            let value = value.filter(|_| check == Check::Placeholder);
+            let name = full_name(&channel.sensor, &channel.name);
             Some(Finding {
                 places: places.clone(),
-                ..Finding::of_channel(check, channel, find(channel)?)
+                repair: value.map(|x| Repair::of(&name, Change::Invalid(*x))),
+                ..Finding::of_channel(check, channel, found)
             })
         };
         table.at(&places).into_iter().filter_map(one).collect()

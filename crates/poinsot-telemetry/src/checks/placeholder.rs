@@ -27,7 +27,7 @@ pub(super) fn find(channel: &Channel) -> Option<(Vec<usize>, String)> {
     Some((
         samples,
         format!(
-            "{} occurs in {count} samples, far from all others: probably a placeholder; leave those cells empty, or use --policy placeholder=exclude",
+            "{} occurs in {count} samples, far from all others: probably a placeholder; write it as invalid in its column of the map, or use --policy placeholder=exclude",
             poinsot_files::as_read(value)
         ),
     ))

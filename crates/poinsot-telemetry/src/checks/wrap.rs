@@ -32,7 +32,17 @@ pub(super) fn find(channel: &Channel) -> Option<Finding> {
     let step = least_step(v);
     let of_counts = |n: i32| {
         let range = step? * 2.0_f64.powi(n);
-        Some((range, Change::SignedRange(range)))
+        let signed = v
+            .iter()
+            .map(|x| x - range * f64::from(u8::from(*x >= 0.5 * range)));
+        let signed: Vec<f64> = signed.collect();
+        // Signed integers do not jump; a counter still does.
+        let jumps = signed.windows(2).any(|w| (w[1] - w[0]).abs() > 0.5 * range);
+        let change = match jumps {
+            true => Change::WrapsAt(range),
+            false => Change::SignedRange(range),
+        };
+        Some((range, change))
     };
     let mut periods = turn.into_iter().chain(WIDTHS.filter_map(of_counts));
     let (period, change) = periods.find(|p| begins_anew(v, &steps, p.0, (typical, largest)))?;
@@ -40,13 +50,19 @@ pub(super) fn find(channel: &Channel) -> Option<Finding> {
         .filter(|&k| steps[k - 1].abs() > 0.5 * period)
         .collect();
     let what = match change {
-        Change::WrapsAt(_) => "the angle jumps by one turn; write wraps_at in its column of the map (360 for a column in deg, 6.283185307 in rad)".to_owned(),
-        _ => format!(
-            "the values jump by {} {}, {} of their steps: a signed integer read as unsigned; write that range as signed_range in its column of the map, in the numbers of the column",
-            rounded(period, 6),
-            channel.unit,
-            (period / step.unwrap_or(period)).round()
-        ),
+        Change::WrapsAt(TAU) => "the angle jumps by one turn; write wraps_at in its column of the map (360 for a column in deg, 6.283185307 in rad)".to_owned(),
+        _ => {
+            let (what, key) = match change {
+                Change::WrapsAt(_) => ("a counter that begins anew", "wraps_at"),
+                _ => ("a signed integer read as unsigned", "signed_range"),
+            };
+            format!(
+                "the values jump by {} {}, {} of their steps: {what}; write that range as {key} in its column of the map, in the numbers of the column",
+                rounded(period, 6),
+                channel.unit,
+                (period / step.unwrap_or(period)).round()
+            )
+        }
     };
     let found = Finding::of_channel(Check::Wrap, channel, (jumps, what));
     Some(Finding {

@@ -60,6 +60,8 @@ pub enum Change {
     Attitude(Order, Sense),
     /// Increments since the sample before, not rates.
     Increments,
+    /// This means that there is no sample, in the SI unit.
+    Invalid(f64),
     /// The values begin anew at this, in the SI unit.
     WrapsAt(f64),
     /// The values count modulo this, in the SI unit, and the upper half are the negative ones.
@@ -72,8 +74,8 @@ pub enum Change {
     Late(f64),
     /// Rates are in inertial axes.
     InertialRates,
-    /// Attitudes and rates are relative to orbital axes, which turn at this rate, rad/s.
-    OrbitalAxes(f64),
+    /// Attitudes are relative to orbital axes, which turn at this rate, rad/s; whether the rates are too.
+    OrbitalAxes(f64, bool),
 }
 
 /// A change of channels, which lines of a map declare.
@@ -116,11 +118,9 @@ impl Repair {
                 Some(())
             }),
             Change::Clock(factor) => declare_clock(map, factor),
-            Change::OrbitalAxes(rate_rad_s) => {
-                let frame = OrbitalMap {
-                    rate_rad_s,
-                    rates: true,
-                };
+            Change::OrbitalAxes(rate_rad_s, rates) => {
+                let rate_rad_s = to_digits(rate_rad_s, DIGITS);
+                let frame = OrbitalMap { rate_rad_s, rates };
                 let line = Line::of("orbital_frame", &TelemetryMap::default(), &frame);
                 map.orbital_frame
                     .replace(frame)
@@ -303,6 +303,9 @@ fn changed(own: &ColumnMap, change: Change) -> Option<ColumnMap> {
             let whole = unit?.symbol.strip_suffix("/s").map(parse_unit)?.ok()?;
             new.unit = Some(whole.symbol.to_owned());
             new.increments = true;
+        }
+        Change::Invalid(x) if own.offset.or(own.sign).is_none() => {
+            new.invalid.push(read(x)?.to_string());
         }
         Change::WrapsAt(x) => new.wraps_at = Some(read(x)?),
         Change::SignedRange(x) => new.signed_range = Some(read(x)?),

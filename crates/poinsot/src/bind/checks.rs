@@ -119,31 +119,18 @@ fn refuse_without_reference(model: &Model, table: &Table, label: &str) -> Result
     Ok(())
 }
 
-/// The initial state must be measured on the base: rate, attitude, and position or velocity if used.
+/// The initial position and velocity must be measured on the base, where any are used.
 fn refuse_links_alone(model: &Model, read: &impl Fn(&Sensor) -> bool) -> Result<(), Error> {
-    let groups: [&[SensorKind]; 3] = [
-        &[SensorKind::Gyro],
-        &[SensorKind::Attitude],
-        &[SensorKind::Velocity, SensorKind::Position],
-    ];
-    for kinds in groups {
-        let own = || {
-            let all = model.sensors.iter();
-            all.filter(|s| kinds.contains(&s.kind) && read(s))
-        };
-        if let (Some(sensor), false) = (own().next(), own().any(|s| s.body == 0)) {
-            let words: Vec<&str> = kinds.iter().map(|k| k.word()).collect();
-            return Err(unsupported(
-                format!(
-                    "sensor '{}' is on body '{}', but the fit needs a {} on the base '{}' for its initial state",
-                    sensor.name,
-                    model.bodies[sensor.body].name,
-                    words.join(" or "),
-                    model.bodies[0].name
-                ),
-                "add one there, or remove this sensor",
-            ));
-        }
+    let moves = |s: &&Sensor| matches!(s.kind, SensorKind::Velocity | SensorKind::Position);
+    let own = || model.sensors.iter().filter(moves).filter(|s| read(s));
+    if let (Some(sensor), false) = (own().next(), own().any(|s| s.body == 0)) {
+        return Err(unsupported(
+            format!(
+                "sensor '{}' is on body '{}', but the fit needs a velocity or position on the base '{}' for its initial state",
+                sensor.name, model.bodies[sensor.body].name, model.bodies[0].name
+            ),
+            "add one there, or remove this sensor",
+        ));
     }
     Ok(())
 }

@@ -11,6 +11,7 @@ use super::sensors::{
 use crate::channel_names::{XYZ, axes};
 use crate::error::Error;
 use nalgebra::Quaternion;
+use poinsot_dynamics::Kinematics;
 use poinsot_files::{Place, rounded};
 use poinsot_identify::{
     Accelerations, ErrorProcess, InputChannel, InputErrors, InputSample, JointMotion, Samples,
@@ -38,10 +39,17 @@ pub(super) fn align(
     repairs: &mut Vec<String>,
 ) -> Result<Aligned, Error> {
     let times = rates.time_s();
-    let rate = vectors(&rates.axes.each_ref().map(|c| resample(c, times, None)));
-    let attitude = attitude(channels, rates, &rate, repairs);
-    let translation = translation(channels, times, &rate, &attitude, repairs)?;
     let inputs = Inputs::at(channels, &channels.wheels(), times);
+    let carrier = |kind| channels.leading.sensor(kind).map_or(0, |s| s.body);
+    let of_attitude = Carrier::new(channels, &inputs, carrier(SensorKind::Attitude));
+    let of_rates = match rates.are_measured() {
+        true => Carrier::new(channels, &inputs, carrier(SensorKind::Gyro)),
+        false => of_attitude.clone(),
+    };
+    let rate = vectors(&rates.axes.each_ref().map(|c| resample(c, times, None)));
+    let rate = of_rates.rates_of_base(rate);
+    let attitude = attitude(channels, rates, (&rate, &of_attitude), repairs);
+    let translation = translation(channels, times, &rate, &attitude, repairs)?;
     for columns in channels.joints() {
         told(channels, &columns, repairs);
     }
@@ -91,6 +99,65 @@ impl Aligned {
     }
 }
 
+/// The body that carries a sensor, relative to the base: attitude, and angular velocity in base axes, at some times.
+#[derive(Clone)]
+struct Carrier {
+    body: usize,
+    motion: Vec<Option<(UnitQuaternion, Vector3)>>,
+}
+
+impl Carrier {
+    fn new(channels: &Channels, inputs: &Inputs, body: usize) -> Self {
+        let tree = channels.tree;
+        let mut kinematics = Kinematics::new(tree);
+        let times = if body == 0 { 0 } else { inputs.times() };
+        let motion = (0..times).map(|k| {
+            let row = |columns: &[Column]| columns.iter().map(|c| c[k]).collect::<Option<Vec<_>>>();
+            let (q, rates) = (row(&inputs.joint_position)?, row(&inputs.joint_rate)?);
+            kinematics.place(tree, &q);
+            kinematics.set_velocities(tree, &Vector3::zeros(), &Vector3::zeros(), &rates);
+            let R_BL = UnitQuaternion::from_matrix(&kinematics.R[body]);
+            Some((R_BL, kinematics.w[body]))
+        });
+        Self {
+            body,
+            motion: motion.collect(),
+        }
+    }
+
+    fn is_base(&self) -> bool {
+        self.body == 0
+    }
+
+    /// Angular velocities of the base from those of this body.
+    fn rates_of_base(&self, rates: Vec<Option<Vector3>>) -> Vec<Option<Vector3>> {
+        if self.is_base() {
+            return rates;
+        }
+        let pairs = rates.into_iter().zip(&self.motion);
+        let of = |(w, motion): (Option<Vector3>, &Option<(UnitQuaternion, Vector3)>)| {
+            let (R_BL, w_BL_B) = (*motion)?;
+            Some(R_BL * w? - w_BL_B)
+        };
+        pairs.map(of).collect()
+    }
+
+    /// Attitudes of the base from those of this body.
+    fn attitudes_of_base(
+        &self,
+        attitudes: Vec<Option<UnitQuaternion>>,
+    ) -> Vec<Option<UnitQuaternion>> {
+        if self.is_base() {
+            return attitudes;
+        }
+        let pairs = attitudes.into_iter().zip(&self.motion);
+        let of = |(R, motion): (Option<UnitQuaternion>, &Option<(UnitQuaternion, Vector3)>)| {
+            Some(R? * (*motion)?.0.inverse())
+        };
+        pairs.map(of).collect()
+    }
+}
+
 /// The values that are there, in a list without spare memory.
 fn given<T: Copy>(column: &[Option<T>], picked: &[usize]) -> Vec<T> {
     let mut all = Vec::with_capacity(picked.len());
@@ -101,7 +168,7 @@ fn given<T: Copy>(column: &[Option<T>], picked: &[usize]) -> Vec<T> {
 fn attitude(
     channels: &Channels,
     rates: &BaseRates,
-    rate: &[Option<Vector3>],
+    (rate, carrier): (&[Option<Vector3>], &Carrier),
     repairs: &mut Vec<String>,
 ) -> Vec<Option<UnitQuaternion>> {
     let (times, measured) = (rates.time_s(), channels.quaternion());
@@ -118,13 +185,15 @@ fn attitude(
     }
     if let Some(parts) = measured.or_else(|| rates.attitude.as_ref().map(|a| a.each_ref())) {
         let axes = rates.axes.each_ref().map(|c| &**c);
-        let measured = resample_attitude(parts, Some(axes), times, None)
+        // The rates of another body are not the slopes of this attitude.
+        let axes = carrier.is_base().then_some(axes);
+        let measured = resample_attitude(parts, axes, times, None)
             .into_iter()
             .map(|q| {
                 q.map(|[x, y, z, w]| UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)))
             })
             .collect();
-        return carried(times, rate, measured);
+        return carried(times, rate, carrier.attitudes_of_base(measured));
     }
     let directions = base_directions(channels.model, channels.table).concat();
     let (start, found) = match directions.is_empty() {
@@ -328,6 +397,11 @@ impl Inputs {
                 None => plain,
             })
             .collect()
+    }
+
+    /// How many times there are; none without joints.
+    fn times(&self) -> usize {
+        self.joint_position.first().map_or(0, Vec::len)
     }
 
     /// Whether every column has a sample at time k.

@@ -324,7 +324,8 @@ pub(super) struct BaseSensors<'m> {
 }
 
 impl<'m> BaseSensors<'m> {
-    /// For each kind, the sensor present in most tables, then the one with the most samples per variance.
+    /// For each kind, the sensor present in most tables, then one on the base, then that with the most samples per variance. Of gyros and
+    /// attitudes, one on a link where none is on the base.
     pub fn new(model: &'m Model, tables: &[Table]) -> Self {
         let worth = |k: usize| {
             let lengths = tables.iter().filter_map(|t| columns_of(model, t, k));
@@ -335,11 +336,16 @@ impl<'m> BaseSensors<'m> {
         };
         let best = |kind: SensorKind| {
             let all = model.sensors.iter().enumerate();
-            let own = all.filter(|(_, s)| s.kind == kind && s.body == 0);
-            own.map(|(k, s)| (k, worth(k), &s.name)).max_by(|a, b| {
-                let order = a.1.0.cmp(&b.1.0).then(a.1.1.total_cmp(&b.1.1));
-                order.then_with(|| b.2.cmp(a.2))
-            })
+            let turns = matches!(kind, SensorKind::Gyro | SensorKind::Attitude);
+            let own = all.filter(|(_, s)| s.kind == kind && (s.body == 0 || turns));
+            own.map(|(k, s)| (k, (s.body == 0, worth(k)), &s.name))
+                .max_by(|a, b| {
+                    let (own, other) = (a.1, b.1);
+                    let tables = own.1.0.cmp(&other.1.0);
+                    let order = tables.then(own.0.cmp(&other.0));
+                    let order = order.then(own.1.1.total_cmp(&other.1.1));
+                    order.then_with(|| b.2.cmp(a.2))
+                })
         };
         let of = SensorKind::with_axes().filter_map(|kind| Some((kind, best(kind)?.0)));
         Self {

@@ -253,7 +253,7 @@ fn doubt_frame(
         return;
     }
     let of = |rate: f64| {
-        let frame = Repair::of("", Change::OrbitalAxes(rate));
+        let frame = Repair::of("", Change::OrbitalAxes(rate, true));
         let declared = Declared::of(&model.telemetry, &[frame])?;
         let other = ask(&with_map(model, &declared.map)).ok()?.estimate;
         let better = found.deviance - other.diagnostics.as_ref()?.deviance;

@@ -805,3 +805,23 @@ fn stat_a_case_is_compared_with_what_every_camera_sees() {
         assert!((rms - 1.0).abs() < 0.2, "{name}: {rms}");
     }
 }
+
+/// Gyro and star tracker on a link alone: the fit starts from the motion that they tell of the base.
+#[test]
+fn exact_sensors_on_a_link_alone_start_a_fit() {
+    for sensors in [
+        [STAR, SPEED, ON_ARM],
+        [FINE, SPEED, ARM_STAR],
+        [SPEED, ON_ARM, ARM_STAR],
+    ] {
+        let own = model(&sensors);
+        let table = simulate_trial(&sensed(), &own, 0).unwrap().table;
+        let found = solved(&own, &table);
+        let (_, gap) = gaps(&numbers(&found), &bound_of(&own));
+        assert!(gap < 0.02, "{gap:e}");
+        let truth = &own.bodies[0].nominal;
+        for ((value, sigma), x) in numbers(&found).into_iter().zip(truth.to_array()) {
+            assert!((value - x).abs() < 4.5 * sigma, "{value} {sigma} {x}");
+        }
+    }
+}

@@ -225,3 +225,34 @@ fn unit_truth_has_every_error_of_joints_and_wheels_by_its_address_in_estimates()
     // 80 rad/s at the start, with 2 % and 0.5 rad/s on it.
     assert!((speed.values[0] - 82.1).abs() < 0.05 && (speed.time_s[0] - 0.05).abs() < 1.0e-12);
 }
+
+/// The whole vehicle is given at the angles that are true, not at those that are read.
+#[test]
+fn exact_the_whole_vehicle_at_the_true_angles() {
+    let (mut truth, mut table) = arm(false);
+    let whole = |answer: &Identified| {
+        let (body, position) = answer.estimate.system.clone().unwrap();
+        let all = [std::slice::from_ref(&body.mass), &body.com, &body.inertia].concat();
+        (
+            all.iter().map(|n| n.value.unwrap()).collect::<Vec<f64>>(),
+            position,
+        )
+    };
+    let right = whole(&ask(
+        &off_nominal(&truth, 0.03),
+        vec![table.clone()],
+        "auto",
+    ));
+    for sensor in &mut truth.sensors {
+        if sensor.kind == SensorKind::JointPosition {
+            (sensor.bias, sensor.scale) = (Nuisance::Estimate, Nuisance::Estimate);
+        }
+    }
+    change(&mut table, "joint1_rad", |q| 1.02 * q + 0.1);
+    let found = whole(&ask(&off_nominal(&truth, 0.03), vec![table], "auto"));
+    for (a, b) in [(found.0, right.0), (found.1, right.1)] {
+        for (a, b) in a.into_iter().zip(b) {
+            assert!((a - b).abs() < 1.0e-5 * (1.0 + b.abs()), "{a} {b}");
+        }
+    }
+}

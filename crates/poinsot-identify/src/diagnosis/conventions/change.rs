@@ -2,9 +2,9 @@
 
 use super::table::{Convention, Place, changed, turned};
 use crate::fit::experiment::Experiment;
-use crate::problem::segment::Segment;
+use crate::problem::segment::{Segment, SensorValue};
 use poinsot_model::SensorKind;
-use poinsot_spatial::Vector3;
+use poinsot_spatial::{UnitQuaternion, Vector3};
 use poinsot_telemetry::Change;
 
 /// The experiment with a convention put right.
@@ -98,6 +98,7 @@ fn put_segment_right(segment: &mut Segment, convention: &Convention, experiment:
                 firing.force *= (1.0 + x / length).max(0.0);
             }
         }
+        (Place::Frame, Change::OrbitalAxes(rate, rates)) => turn_frame(segment, rate, rates),
         (Place::Sensor(k), Change::Late(x)) => {
             if let Some(sensor) = o.sensors.get_mut(*k) {
                 for sample in &mut sensor.samples {
@@ -129,6 +130,37 @@ fn put_segment_right(segment: &mut Segment, convention: &Convention, experiment:
             }
         }
         _ => {}
+    }
+}
+
+/// Attitudes of the base, and rates if they are too, relative to axes that turn about -y, relative to those at time zero.
+fn turn_frame(segment: &mut Segment, rate: f64, rates: bool) {
+    let turn = |t: f64| UnitQuaternion::from_axis_angle(&-Vector3::y_axis(), rate * t);
+    let (o, s) = (&mut segment.observations, &mut segment.samples);
+    let carried: Vec<Vector3> = s
+        .R_NB
+        .iter()
+        .filter(|_| rates)
+        .map(|R| R.inverse() * -Vector3::y() * rate)
+        .collect();
+    for sensor in o.sensors.iter_mut().filter(|sensor| sensor.body == 0) {
+        for sample in &mut sensor.samples {
+            let t = o.time_s[sample.to];
+            match (sensor.kind, &mut sample.value) {
+                (SensorKind::Attitude, SensorValue::Attitude(R)) => *R = turn(t) * *R,
+                (SensorKind::Gyro, SensorValue::Vector(w)) if !carried.is_empty() => {
+                    *w += carried[nearest(&s.time_s, t)];
+                }
+                _ => {}
+            }
+        }
+    }
+    s.w_NB_B
+        .iter_mut()
+        .zip(carried)
+        .for_each(|(w, own)| *w += own);
+    for (R, t) in s.R_NB.iter_mut().zip(&s.time_s) {
+        *R = turn(*t) * *R;
     }
 }
 

@@ -14,9 +14,9 @@ use std::f64::consts::PI;
 
 /// Ratios that are tried of a joint, of either sign.
 const RATIOS: [f64; 9] = [0.2, 0.333, 0.5, 0.667, 0.8, 1.25, 1.5, 2.0, 3.0];
-/// Share of a ratio to which it is sought about those, and within which it is one of whole numbers.
+/// Share of a ratio to which it is sought about those, and within which it may be one of whole numbers.
 const ABOUT: f64 = 0.2;
-const SAME: f64 = 0.01;
+const SAME: f64 = 0.03;
 /// Largest whole number in a ratio that is printed as one.
 const TEETH: u32 = 6;
 /// Most joints of a vehicle of which each is tried: every trial takes longer with their number, and there are more.
@@ -28,6 +28,10 @@ const PULSES: [f64; 6] = [-0.3, -0.1, -0.03, 0.03, 0.1, 0.3];
 
 /// Steps between samples by which their times may be late.
 const STEPS: [f64; 6] = [1.0, 2.0, 3.0, 4.0, 6.0, 8.0];
+
+/// Rates of a low and of a geostationary orbit, and the share to which they are sought about those.
+const ORBITS_RAD_S: [f64; 2] = [1.08e-3, 7.29e-5];
+const ORBITS: f64 = 0.15;
 
 /// What is read by another convention than declared.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,6 +46,8 @@ pub(super) enum Place {
     Pulses,
     /// A sensor by its place among those of the first segment.
     Sensor(usize),
+    /// The axes to which attitudes and rates of the base refer.
+    Frame,
 }
 
 impl Place {
@@ -124,6 +130,7 @@ pub(super) fn all(experiment: &Experiment) -> Vec<Vec<Convention>> {
     all.push(exchanged_forces);
     all.extend(joints(experiment.problem));
     all.extend(sensors(experiment.problem));
+    all.push(frame(experiment.problem));
     all.retain(|kind| !kind.is_empty());
     all
 }
@@ -205,6 +212,20 @@ fn joints(problem: &Problem) -> Vec<Vec<Convention>> {
     ]
 }
 
+/// Orbital axes in place of inertial ones.
+pub(super) fn frame(problem: &Problem) -> Vec<Convention> {
+    let mut all = problem.segments.iter().map(|s| &s.observations);
+    if !all.all(|o| o.reads(SensorKind::Attitude) && o.reads(SensorKind::Gyro)) {
+        return Vec::new();
+    }
+    let own = [Convention::as_declared(Place::Frame, "attitude".to_owned())];
+    let each = ORBITS_RAD_S.iter().flat_map(|x| [*x, -x]);
+    let axes = each.flat_map(|x| [true, false].map(|rates| Change::OrbitalAxes(x, rates)));
+    rows(&own, &axes.collect::<Vec<_>>(), |rate| {
+        Some(ORBITS * rate.abs())
+    })
+}
+
 /// Sensors whose axes and units only the motion tells where no other sensor of the record, which is compared with them as they are read,
 /// measures the same; and factors that put their units right.
 const ALONE: [(SensorKind, SensorKind, [f64; 2]); 3] = [
@@ -257,14 +278,21 @@ impl Convention {
 
     pub fn value(&self) -> f64 {
         match self.change {
-            Change::Factor(x) | Change::Offset(x) | Change::ClosesLate(x) | Change::Late(x) => x,
+            Change::Factor(x)
+            | Change::Offset(x)
+            | Change::ClosesLate(x)
+            | Change::Late(x)
+            | Change::OrbitalAxes(x, _) => x,
             _ => f64::NAN,
         }
     }
 
     pub fn with_value(mut self, value: f64) -> Self {
         match &mut self.change {
-            Change::Factor(x) | Change::Offset(x) | Change::ClosesLate(x) => *x = value,
+            Change::Factor(x)
+            | Change::Offset(x)
+            | Change::ClosesLate(x)
+            | Change::OrbitalAxes(x, _) => *x = value,
             _ => {}
         }
         self
@@ -299,10 +327,24 @@ impl Convention {
                 let words = format!("{owner} {by} s {off} than commanded ({key})");
                 (Convention, words)
             }
-            (Place::Pulses, Change::Late(_)) => (Lag, "a lag of the thrust".to_owned()),
+            (Place::Pulses, Change::Late(x)) => {
+                let what = if x > 0.0 {
+                    "delayed thrust samples"
+                } else {
+                    "a lag of the thrust"
+                };
+                (Lag, what.to_owned())
+            }
             (_, Change::Late(_)) => (Lag, format!("a lag of {owner}")),
             (Place::Wheels(_), Change::Exchanged) => {
                 (WheelExchange, format!("exchanged speeds of {owner}"))
+            }
+            (_, Change::OrbitalAxes(x, rates)) => {
+                let (rate, what) = (rounded(x, 6), if rates { " and rates" } else { "" });
+                let words = format!(
+                    "{owner}{what} relative to axes that turn, as the orbital ones do (orbital_frame = {{ rate_rad_s = {rate}, rates = {rates} }})"
+                );
+                (Convention, words)
             }
             (_, Change::Offset(x)) => {
                 let degrees = rounded(x.to_degrees(), 4);
@@ -352,6 +394,7 @@ impl Convention {
             Place::Wheels(which) => which.iter().filter_map(|k| speed(*k)).collect(),
             Place::Joints(which) => which.iter().flat_map(of_joint).collect(),
             Place::Pulses => (0..model.thrusters.len()).filter_map(force).collect(),
+            Place::Frame => Vec::new(),
             Place::Thrusters(_) if self.change == Change::Factor(0.0) => return None,
             Place::Thrusters(which) => which.iter().filter_map(|k| force(*k)).collect(),
             Place::Sensor(k) => {
@@ -371,8 +414,9 @@ impl Convention {
         match (&self.place, self.change) {
             (_, Change::Factor(x)) => Some((format!("{owner}.factor"), x, "1")),
             (_, Change::ClosesLate(x)) => Some(("thrust.closes_late".to_owned(), x, "s")),
-            (Place::Pulses, Change::Late(x)) => Some(("thrust.late".to_owned(), x, "s")),
-            (_, Change::Late(x)) => Some((format!("{owner}.late"), x, "s")),
+            // Thrust that acts late has samples that are early.
+            (Place::Pulses, Change::Late(x)) => Some(("thrust.lag".to_owned(), -x, "s")),
+            (_, Change::Late(x)) => Some((format!("{owner}.lag"), x, "s")),
             (_, Change::Offset(x)) => Some((format!("{owner}.offset"), x, "rad")),
             _ => None,
         }

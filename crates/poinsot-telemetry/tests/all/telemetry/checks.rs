@@ -186,3 +186,30 @@ fn exact_policies_do_what_they_say() {
         assert!(error.to_string().contains(words), "{error}");
     }
 }
+
+#[test]
+fn exact_a_wheel_read_more_often_than_it_tells_keeps_each_of_its_values() {
+    let rows = |value: &dyn Fn(usize) -> f64| {
+        let row = |k: usize| format!("{},{}\n", k as f64 * 0.1, value(k));
+        let rows: String = (0..400).map(row).collect();
+        read_text(
+            format!("time_s,wheel1_rad_s\n{rows}"),
+            &ReadOptions::default(),
+        )
+        .unwrap()
+    };
+    // At rest for 80 samples in between.
+    let speed = |k: usize| (0.02 * k.clamp(160, 240).abs_diff(160) as f64 + 0.01 * k as f64).sin();
+    let still = |k: usize| if (160..240).contains(&k) { 160 } else { k };
+    let mut table = rows(&|k| speed(still(k - k % 4)));
+    assert_eq!(names(&table), [(Check::Held, 300)]);
+    apply(&mut table, "run.csv", &Policies::default());
+    let kept = &table.channels[0];
+    assert_eq!(kept.values.len(), 100);
+    for (t, x) in kept.time_s.iter().zip(&kept.values) {
+        assert_eq!(*x, speed(still((10.0 * t).round() as usize)));
+    }
+    // A coarse encoder of a joint that moves at one rate, and a wheel that only rests.
+    assert_eq!(names(&rows(&|k| 0.1 * (k / 4) as f64)), []);
+    assert_eq!(names(&rows(&|k| speed(still(k)))), []);
+}

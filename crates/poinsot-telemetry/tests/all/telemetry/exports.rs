@@ -400,3 +400,39 @@ fn exact_a_relative_attitude_has_every_form() {
     }
     assert!(table.channels.iter().all(|c| !c.name.starts_with("q_")));
 }
+
+#[test]
+fn exact_late_times_and_rates_in_inertial_axes() {
+    let column = |channel: &str, late_s: Option<f64>| ColumnMap {
+        late_s,
+        ..ColumnMap::new(channel, channel, "rad/s")
+    };
+    let late = [
+        column("omega_x", Some(0.5)),
+        column("omega_y", Some(0.5)),
+        column("omega_z", Some(0.5)),
+    ];
+    let mut options = of(FileMap {
+        columns: late.to_vec(),
+        attitude: vec![AttitudeMap {
+            quaternion: named(&["q_x", "q_y", "q_z", "q_w"]),
+            late_s: Some(1.0),
+            ..AttitudeMap::default()
+        }],
+        ..FileMap::default()
+    });
+    options.map.inertial_rates = true;
+    options.check_conventions = false;
+    // A body that is turned by a quarter about z: its x axis is y of inertial axes.
+    let half = 0.5_f64.sqrt();
+    let row = |k: u32| format!("{k},0,1,0,0,0,{half},{half}\n");
+    let rows: String = (0..9).map(row).collect();
+    let text = format!("time_s,omega_x,omega_y,omega_z,q_x,q_y,q_z,q_w\n{rows}");
+    let table = read_text(text, &options).unwrap();
+    let [q, x, y] = ["q_w", "omega_x", "omega_y"].map(|name| table.channel(name).unwrap());
+    assert_eq!((q.time_s[0], q.time_s[8]), (-1.0, 7.0));
+    // At 7.5 s there is no attitude.
+    assert_eq!((x.time_s[0], x.time_s.last()), (-0.5, Some(&6.5)));
+    assert!(x.values.iter().all(|w| (w - 1.0).abs() < 1e-14));
+    assert!(y.values.iter().all(|w| w.abs() < 1e-14));
+}

@@ -189,7 +189,10 @@ fn exact_what_is_missing_is_derived_and_said() {
         }
     }
     let all = ask(&truth, vec![whole], "linear");
-    assert!(all.repairs().is_empty(), "{:?}", all.repairs());
+    // Of which point the velocity is, no record tells.
+    let mut said = all.repairs();
+    said.retain(|text| !text.starts_with("assumed: velocity and position are"));
+    assert!(said.is_empty(), "{said:?}");
 }
 
 #[test]
