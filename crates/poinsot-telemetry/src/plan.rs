@@ -405,6 +405,22 @@ impl Planner<'_> {
         }
         Ok(ignored)
     }
+
+    /// Columns of a joint, wheel or thruster that the map gives to another one alone.
+    fn given_away(&self, options: &ReadOptions) -> Vec<String> {
+        let all = &self.channels;
+        let note = |taker: &PlannedChannel| {
+            let own = classify(&taker.column).filter(|own| !own.subject.is_empty())?;
+            let gone = !all.iter().any(|c| c.name == own) && is_wanted(&own, options);
+            let (own, taker) = (own.full(), taker.name.full());
+            gone.then(|| {
+                format!(
+                    "{own} is the column of {taker}: give that a scale, offset or sign, and both have it"
+                )
+            })
+        };
+        all.iter().filter_map(note).collect()
+    }
 }
 
 /// Column and clock of the time, where they are known.
@@ -440,7 +456,7 @@ pub(crate) fn build(
     planner.orbit(&map, options)?;
     let mapped = planner.channels.len();
     let ignored = planner.rest((&map, options), mapped, &mut time)?;
-    let mut notes = Vec::new();
+    let mut notes = planner.given_away(options);
     let Some((time_index, mut clock)) = time else {
         return Err(no_time(path, header, map.layout.header_row));
     };
@@ -601,7 +617,13 @@ impl<'a> Unused<'a> {
             if paths.iter().any(|p| fits_path(pattern, p)) {
                 maps.push((pattern, map));
             } else {
-                repairs.push(format!("{files}: no file is named '{pattern}'; that entry of [[telemetry.file]] is not used"));
+                let mut unused = vec!["its entry of [[telemetry.file]]".to_owned()];
+                unused.extend(map.named().into_iter().map(|c| c.channel));
+                unused.dedup();
+                let unused = unused.join(", ");
+                repairs.push(format!(
+                    "{files}: no file is named '{pattern}'; not used: {unused}"
+                ));
             }
         }
         let missing = |pattern: &str, column: &String| {
