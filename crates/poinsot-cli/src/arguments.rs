@@ -234,7 +234,8 @@ pub struct Identify {
 /// Which rows of telemetry are read, and in which encoding.
 #[derive(Debug, Args)]
 pub struct Rows {
-    /// Read the rows between these times, s.
+    /// Read the rows between these times, s: those of the files, or since the first sample where the files count from 1e7 s
+    /// or more.
     #[arg(long, value_name = "FROM,TO", value_parser = span)]
     pub time_s: Option<[f64; 2]>,
     /// Read every n-th row; 1 reads all.

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 /// Longest line of an error, characters.
-pub const LONGEST_LINE: usize = 300;
+pub const LONGEST_LINE: usize = 600;
 
 /// Length to which quoted values and words are shortened at most, characters.
 const SHORTEST_RUN: usize = 24;
@@ -210,6 +210,16 @@ mod tests {
         );
         let line = error_line(&table);
         assert!(line.ends_with(" }: no body; correct it"), "{line}");
+    }
+
+    /// A refusal of the checks of telemetry lost the end of its parenthesis.
+    #[test]
+    fn regress_a_refusal_with_its_parentheses_is_whole() {
+        let text = format!(
+            "E0215 {}(increments = true); write it",
+            "attitude and gyro ".repeat(17)
+        );
+        assert_eq!(error_line(&text), text);
     }
 
     #[test]

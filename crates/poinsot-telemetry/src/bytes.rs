@@ -11,6 +11,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Longest line accepted, bytes; a file without line ends would otherwise fill the memory.
 const MAX_LINE: usize = 16 << 20;
 
+/// Bytes before the text that some programs write in UTF-8.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
 /// Reason why reading stopped, with the byte.
 #[derive(Debug)]
 pub(crate) enum ByteFault {
@@ -241,11 +244,18 @@ impl<R: Read> TextBytes<R> {
 impl<R: Read> Read for TextBytes<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         loop {
-            let n = self.inner.read(buffer)?;
-            let read = buffer.get_mut(..n).unwrap_or_default();
+            let mut n = self.inner.read(buffer)?;
             if n == 0 {
                 return Ok(0);
             }
+            let begins = buffer.get(..n).unwrap_or_default();
+            if self.offset == 0 && begins.starts_with(BYTE_ORDER_MARK) {
+                let mark = BYTE_ORDER_MARK.len();
+                buffer.copy_within(mark..n, 0);
+                self.offset = mark as u64;
+                n -= mark;
+            }
+            let read = buffer.get_mut(..n).unwrap_or_default();
             if let Some(at) = memchr(0, read) {
                 return Err(io::Error::other(ByteFault::Nul(self.offset + at as u64)));
             }

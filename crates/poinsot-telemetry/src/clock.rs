@@ -6,7 +6,7 @@ use crate::number::{self, Cell, InvalidNumber, RawCell};
 use crate::{Dimension, Origin, Scale, TimeFormat, TimeMap, Unit, parse_unit};
 
 /// Larger times count from the origin of the segment; at this value a double resolves 2e-9 s.
-const COUNTED_S: f64 = 1e7;
+pub(crate) const COUNTED_S: f64 = 1e7;
 /// Seconds of a week.
 const WEEK_S: i128 = 604_800;
 

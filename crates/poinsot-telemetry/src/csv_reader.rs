@@ -94,7 +94,7 @@ pub(crate) fn read(
         }
     }
     intake.make_room(rows, full)?;
-    let columns = intake.columns;
+    let columns = intake.finished()?;
     Ok((plan, columns))
 }
 

@@ -6,6 +6,9 @@ use memchr::{memchr_iter, memchr2};
 use std::io::{self, Read};
 use std::ops::Range;
 
+/// A separator of which several are one, and which separates nothing at the ends of a line.
+const BLANK: u8 = b' ';
+
 /// Bytes read at a time.
 const BLOCK: usize = 1 << 16;
 
@@ -157,9 +160,12 @@ impl<R: Read> CsvRows<R> {
             self.cells.push(start..end);
             start = end;
         }
+        if self.delimiter == BLANK {
+            self.cells.retain(|cell| !cell.is_empty());
+        }
         Row {
             line,
-            len,
+            len: self.cells.len(),
             text: &self.quoted.text,
             cells: &self.cells,
         }
@@ -184,7 +190,8 @@ impl<R: Read> CsvRows<R> {
 
     /// Whether a line is empty or a comment.
     fn is_no_row(&self, text: &Range<usize>) -> bool {
-        let first = self.buffer.get(text.clone()).and_then(<[u8]>::first);
+        let mut text = self.buffer.get(text.clone()).unwrap_or_default().iter();
+        let first = text.find(|byte| self.delimiter != BLANK || **byte != BLANK);
         first.is_none_or(|first| Some(*first) == self.comment)
     }
 
@@ -192,16 +199,24 @@ impl<R: Read> CsvRows<R> {
     fn split(&mut self, line: u64, text: Range<usize>) -> Row<'_> {
         let text = self.buffer.get(text).unwrap_or_default();
         let mut ends = memchr_iter(self.delimiter, text);
+        let used = match self.delimiter {
+            BLANK => usize::MAX,
+            _ => self.used,
+        };
         self.cells.clear();
         let mut start = 0;
-        for end in ends.by_ref().take(self.used) {
+        for end in ends.by_ref().take(used) {
             self.cells.push(start..end);
             start = end + 1;
         }
         let mut len = self.cells.len() + 1;
-        match len > self.used {
+        match len > used {
             true => len += ends.count(),
             false => self.cells.push(start..text.len()),
+        }
+        if self.delimiter == BLANK {
+            self.cells.retain(|cell| !cell.is_empty());
+            len = self.cells.len();
         }
         let cells = &self.cells;
         Row {

@@ -3,7 +3,8 @@
 use crate::ReadOptions;
 use crate::clock::Clock;
 use crate::columns::Columns;
-use crate::number::RawCell;
+use crate::instant::NO_YEAR;
+use crate::number::{InvalidNumber, RawCell};
 use crate::plan::Plan;
 use crate::selection::{Selection, WhenFull};
 use crate::size::Rows;
@@ -16,6 +17,9 @@ pub(crate) struct Intake<'a> {
     plan: &'a Plan,
     clock: Clock,
     selection: Selection,
+    /// The first time of no year that a record has, and the number of such rows.
+    unset: Option<Faults>,
+    unset_rows: usize,
     pub columns: Columns,
 }
 
@@ -26,6 +30,8 @@ impl<'a> Intake<'a> {
             plan,
             clock: plan.clock.clone(),
             selection: Selection::new(options),
+            unset: None,
+            unset_rows: 0,
             columns: Columns::new(plan.channels.len(), plan.choices.len()),
         }
     }
@@ -72,14 +78,16 @@ impl<'a> Intake<'a> {
         let time = cell(plan.time_index);
         let seconds = self.clock.seconds(time, plan.week_index.map(&cell));
         self.columns.origin = self.clock.origin;
-        let time_s = seconds.map_err(|why| {
-            why.fault(
-                Place::cell(self.path, row, &plan.time_column),
-                &time.text(),
-                true,
-            )
-        })?;
-        let time_s = time_s.or_nan();
+        let place = || Place::cell(self.path, row, &plan.time_column);
+        let fault = |why: InvalidNumber| why.fault(place(), &time.text(), true);
+        let time_s = match seconds {
+            Err(why) if why == NO_YEAR => {
+                self.unset.get_or_insert_with(|| fault(why));
+                self.unset_rows += 1;
+                return Ok(false);
+            }
+            read => read.map_err(fault)?.or_nan(),
+        };
         let origin = self.columns.origin;
         let every_row = !plan.chooses_all();
         let keeps = self
@@ -92,6 +100,21 @@ impl<'a> Intake<'a> {
             self.columns.rows.push(row);
         }
         Ok(keeps)
+    }
+
+    /// The columns. Rows of a clock that was not set are an error, unless others are chosen by their times.
+    pub fn finished(self) -> Result<Columns, Faults> {
+        let chosen = self.selection.time_s.is_some() && !self.columns.time_s.is_empty();
+        let Some(mut faults) = self.unset.filter(|_| !chosen) else {
+            return Ok(self.columns);
+        };
+        let (unset, all) = (self.unset_rows, self.columns.rows_read);
+        if let Some(first) = faults.list.first_mut().filter(|_| unset < all) {
+            first.problem += &format!(", as in {unset} of {all} rows");
+            first.advice +=
+                ", or leave these rows out by --time-s 0,TO (s since the first other row)";
+        }
+        Err(faults)
     }
 
     /// Passes the kept rows to `full` when they reach the memory limit; see [`Selection::check`].

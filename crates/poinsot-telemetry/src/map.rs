@@ -69,7 +69,7 @@ pub struct FileMap {
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct Layout {
-    /// Character between the fields of a row: "," (default), ";", "|", "tab" or "space".
+    /// Character between the fields of a row: "," (default), ";", "|", "tab" or "space" (any number of blanks).
     pub delimiter: Option<String>,
     /// Character at the start of a line that is a comment, for example "#". Default: no line is a comment.
     pub comment: Option<String>,

@@ -188,10 +188,6 @@ pub(crate) fn resolve(
     check_place(map, name.dimension)?;
     let counts = map.counts_per_revolution.is_some();
     let changed = map.is_changed();
-    if name.dimension == Dimension::Time && (changed || counts || map.nominal_N.is_some()) {
-        let remedy = "remove the other keys, or write [telemetry] time";
-        return refuse("", "a time has a unit alone", remedy);
-    }
     let unit = match &map.unit {
         // Whether a thruster fires, or how long.
         unit if map.nominal_N.is_some() => {
@@ -271,6 +267,26 @@ fn check_numbers(map: &ColumnMap) -> Result<(), Refused> {
 
 /// Keys that the channel cannot have.
 fn check_place(map: &ColumnMap, dimension: Dimension) -> Result<(), Refused> {
+    for (key, given) in [
+        ("sign", map.sign.is_some()),
+        ("scale", map.scale.is_some()),
+        ("offset", map.offset.is_some()),
+        ("counts_per_revolution", map.counts_per_revolution.is_some()),
+        ("nominal_N", map.nominal_N.is_some()),
+        ("where", !map.rows.is_empty()),
+        ("invalid", !map.invalid.is_empty()),
+        ("signed_range", map.signed_range.is_some()),
+        ("wraps_at", map.wraps_at.is_some()),
+        ("late_s", map.late_s.is_some()),
+    ] {
+        if given && dimension == Dimension::Time {
+            return refuse(
+                key,
+                "a time has a unit alone",
+                "remove it, or write [telemetry] time",
+            );
+        }
+    }
     if map.increments && integral(dimension).is_none() {
         let problem = "only a rate has increments";
         return refuse("increments", problem, "remove it, or map the rate");

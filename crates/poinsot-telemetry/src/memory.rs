@@ -159,7 +159,7 @@ pub(crate) fn read(
         }
     }
     intake.make_room(declared, None)?;
-    let columns = intake.columns;
+    let columns = intake.finished()?;
     Ok((plan, columns, sha256_of_columns(memory)))
 }
 

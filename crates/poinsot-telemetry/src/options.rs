@@ -20,7 +20,7 @@ pub struct ReadOptions {
     pub recover: bool,
     /// Encoding of CSV text.
     pub encoding: Encoding,
-    /// Keep rows with times in this range, s.
+    /// Keep rows with times in this range, s: of the files' own count, or since the origin where the range ends before 1e7 s.
     pub time_s: Option<[f64; 2]>,
     /// Keep every n-th of these rows; 0 and 1 keep all.
     pub every: usize,

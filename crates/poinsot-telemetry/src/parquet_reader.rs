@@ -113,7 +113,7 @@ fn decode(
         }
         first += u64::try_from(own.num_rows()).unwrap_or(0);
     }
-    let columns = intake.columns;
+    let columns = intake.finished()?;
     if columns.rows_read as u64 != sound {
         let read = columns.rows_read;
         let why = format!("the footer declares {sound} rows, the columns have {read}");

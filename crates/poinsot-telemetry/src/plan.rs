@@ -55,8 +55,8 @@ pub(crate) struct Plan {
     /// The same of the rows of some channels.
     pub choices: Vec<Choice>,
     pub ignored: Vec<String>,
-    /// Filter columns missing in this file.
-    pub missing_filters: Vec<String>,
+    /// What a reader has to know of the map and this file.
+    pub notes: Vec<String>,
     /// Whether numbers have a decimal comma.
     pub decimal_comma: bool,
 }
@@ -405,6 +405,22 @@ impl Planner<'_> {
         }
         Ok(ignored)
     }
+
+    /// Columns of a joint, wheel or thruster that the map gives to another one alone.
+    fn given_away(&self, options: &ReadOptions) -> Vec<String> {
+        let all = &self.channels;
+        let note = |taker: &PlannedChannel| {
+            let own = classify(&taker.column).filter(|own| !own.subject.is_empty())?;
+            let gone = !all.iter().any(|c| c.name == own) && is_wanted(&own, options);
+            let (own, taker) = (own.full(), taker.name.full());
+            gone.then(|| {
+                format!(
+                    "{own} is the column of {taker}: give that a scale, offset or sign, and both have it"
+                )
+            })
+        };
+        all.iter().filter_map(note).collect()
+    }
 }
 
 /// Column and clock of the time, where they are known.
@@ -440,16 +456,18 @@ pub(crate) fn build(
     planner.orbit(&map, options)?;
     let mapped = planner.channels.len();
     let ignored = planner.rest((&map, options), mapped, &mut time)?;
+    let mut notes = planner.given_away(options);
     let Some((time_index, mut clock)) = time else {
-        return Err(no_time(path, header));
+        return Err(no_time(path, header, map.layout.header_row));
     };
     clock.origin = options.origin;
     let mut filter = Vec::new();
-    let mut missing_filters = Vec::new();
     for (column, text) in &map.row_filter {
         match planner.find(column) {
             Some(index) => filter.push((index, text.clone())),
-            None => missing_filters.push(column.clone()),
+            None => notes.push(format!(
+                "no column '{column}' to choose rows by; all its rows are kept"
+            )),
         }
     }
     let Planner {
@@ -470,7 +488,7 @@ pub(crate) fn build(
         filter,
         choices,
         ignored,
-        missing_filters,
+        notes,
         decimal_comma: map.layout.decimal == Some(DecimalSign::Comma),
     })
 }
@@ -490,16 +508,27 @@ fn check_header(path: &Path, header: &[String]) -> Result<(), Faults> {
         let advice = format!("leave out what is not needed, the limit is {MAX_COLUMNS}");
         return Err(fault(problem, advice));
     }
-    if let [only] = header
-        && let Some(delimiter) = only.chars().find(|c| matches!(c, ';' | '\t' | '|'))
-    {
+    let separators = match header {
+        [_] => ";\t| ",
+        // A decimal comma cuts the fields of a row without names.
+        _ if no_names(header) => ";\t|",
+        _ => "",
+    };
+    let in_all = |c: &char| header.iter().all(|name| name.contains(*c));
+    if let Some(delimiter) = separators.chars().find(in_all) {
         let name = match delimiter {
             '\t' => "tab".to_owned(),
+            ' ' => "space".to_owned(),
             other => other.to_string(),
         };
         let problem = format!("the columns are separated by {delimiter:?}");
         let advice = format!(
-            "write [telemetry] delimiter = \"{name}\", and decimal = \",\" where numbers have a decimal comma"
+            "write [telemetry] delimiter = \"{name}\", and decimal = \",\" where numbers have a decimal comma{}",
+            if no_names(header) {
+                "; and header_row = 0, as the file has no header"
+            } else {
+                ""
+            }
         );
         return Err(fault(problem, advice));
     }
@@ -514,23 +543,35 @@ fn check_header(path: &Path, header: &[String]) -> Result<(), Faults> {
     Ok(())
 }
 
-fn no_time(path: &Path, header: &[String]) -> Faults {
+/// Whether a header has numbers in place of names.
+fn no_names(header: &[String]) -> bool {
+    let mut parts = header
+        .iter()
+        .flat_map(|name| name.split([';', '\t', '|', ' ']));
+    parts.all(|text| text.replace(',', ".").parse::<f64>().is_ok())
+}
+
+fn no_time(path: &Path, header: &[String], header_row: Option<u64>) -> Faults {
     let mut proposed = suggestions(header).into_iter();
     let (problem, advice) = match proposed.find(|line| line.starts_with("time_s = ")) {
         Some(line) => (
             "no column 'time_s'".to_owned(),
             format!(
-                "map one by [telemetry.columns] {line}, or run `poinsot inspect FILE` for a whole map"
+                "map one by [telemetry.columns] {line}; `poinsot inspect FILE` without --map proposes a whole map"
             ),
         ),
         None => {
             let first: Vec<&str> = header.iter().take(8).map(String::as_str).collect();
-            let no_name = header.iter().all(|name| name.parse::<f64>().is_ok());
-            let advice = match no_name {
-                true => {
-                    "write [telemetry] header_row = 0 where the file has no header: its columns are then \"1\", \"2\" and so on"
+            let advice = match (header_row, no_names(header)) {
+                (Some(0), _) => {
+                    "name the column of the time by its number: [telemetry] time = { column = \"1\" }"
                 }
-                false => "run `poinsot inspect FILE`, which proposes a map",
+                (_, true) => {
+                    "the file has no header: write [telemetry] header_row = 0 and time = { column = \"1\" }, as its columns are then \"1\", \"2\" and so on"
+                }
+                _ => {
+                    "name the column of the time: [telemetry] time = { column = \"...\", unit = \"s\" }"
+                }
             };
             (
                 format!("no column 'time_s' among [{}]", first.join(", ")),
@@ -576,7 +617,13 @@ impl<'a> Unused<'a> {
             if paths.iter().any(|p| fits_path(pattern, p)) {
                 maps.push((pattern, map));
             } else {
-                repairs.push(format!("{files}: no file is named '{pattern}'; that entry of [[telemetry.file]] is not used"));
+                let mut unused = vec!["its entry of [[telemetry.file]]".to_owned()];
+                unused.extend(map.named().into_iter().map(|c| c.channel));
+                unused.dedup();
+                let unused = unused.join(", ");
+                repairs.push(format!(
+                    "{files}: no file is named '{pattern}'; not used: {unused}"
+                ));
             }
         }
         let missing = |pattern: &str, column: &String| {

@@ -50,7 +50,7 @@ pub(crate) fn tidy(
                 here.map(as_read).join(", "),
                 rounded(norm, 6)
             );
-            let advice = "correct the row or the order of the columns";
+            let advice = "correct the row or the order of the columns, or leave such rows out by invalid or where of the attitude in [telemetry]";
             return Err(Faults::one("E0214", place, problem, advice));
         }
         if deviation > tally.worst.0 {
@@ -175,13 +175,13 @@ mod tests {
         assert_eq!(run(&[[0.0, 0.0, 0.0, 0.97]]).unwrap().1.len(), 2);
         assert_eq!(
             run(&[[0.0, 0.0, 0.0, 1.1]]).unwrap_err().to_string(),
-            "E0214 a.csv:2 column 'q_x': the quaternion (0, 0, 0, 1.1) has norm 1.1, not 1; correct the row or the order of the columns"
+            "E0214 a.csv:2 column 'q_x': the quaternion (0, 0, 0, 1.1) has norm 1.1, not 1; correct the row or the order of the columns, or leave such rows out by invalid or where of the attitude in [telemetry]"
         );
         assert_eq!(
             run(&[[1e300, -1e300, 5e-324, 0.0]])
                 .unwrap_err()
                 .to_string(),
-            "E0214 a.csv:2 column 'q_x': the quaternion (1e300, -1e300, 5e-324, 0) has norm inf, not 1; correct the row or the order of the columns"
+            "E0214 a.csv:2 column 'q_x': the quaternion (1e300, -1e300, 5e-324, 0) has norm inf, not 1; correct the row or the order of the columns, or leave such rows out by invalid or where of the attitude in [telemetry]"
         );
         let mut q = columns(&[[0.0, 0.0, 0.0, 1.0005]]);
         let strict = tidy(Path::new("a.csv"), "q_x", &[2], &mut q, true).unwrap_err();

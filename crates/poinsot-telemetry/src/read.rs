@@ -10,7 +10,7 @@ use crate::plan::{Plan, PlannedChannel};
 use crate::selection::WhenFull;
 use crate::{
     FileMap, Part, ReadOptions, Source, Table, TelemetryMap, assemble, check_conventions,
-    csv_reader, memory, mount, orbital, parquet_reader, plan, time_base,
+    csv_reader, full_name, memory, mount, orbital, parquet_reader, plan, time_base,
 };
 use poinsot_files::{Faults, Place, as_read};
 use std::collections::HashSet;
@@ -122,12 +122,9 @@ impl Reading<'_> {
         check_any_row(path, &plan, &columns, &options)?;
         self.table.origin = columns.origin.or(options.origin);
         self.unused.mark(path, &plan);
-        for column in &plan.missing_filters {
-            self.table.repairs.push(format!(
-                "{}: no column '{column}' to choose rows by; all its rows are kept",
-                path.display()
-            ));
-        }
+        let notes = plan.notes.iter();
+        let notes = notes.map(|note| format!("{}: {note}", path.display()));
+        self.table.repairs.extend(notes);
         for name in &plan.ignored {
             if !self.table.ignored.contains(name) {
                 self.table.ignored.push(name.clone());
@@ -177,7 +174,12 @@ impl Reading<'_> {
                 c.choice == Some(k) || group(c).is_some_and(|g| groups.contains(&g))
             };
             let names = plan.channels.iter().filter(|c| own(c));
-            let names: Vec<String> = names.map(|c| c.name.full()).collect();
+            let name = |c: &PlannedChannel| match c.part {
+                Some(_) => full_name(&c.name.sensor, "attitude"),
+                None => c.name.full(),
+            };
+            let mut names: Vec<String> = names.map(name).collect();
+            names.dedup();
             if let Some((index, text)) = choice.last().filter(|_| !names.is_empty()) {
                 self.table.repairs.push(format!(
                     "{}: no row has '{text}' in '{}', so there is no {}; the first values there are {}",

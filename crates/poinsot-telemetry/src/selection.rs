@@ -1,5 +1,6 @@
 //! Selection of rows, and the limit on their number.
 
+use crate::clock::COUNTED_S;
 use crate::columns::Columns;
 use crate::plan::Plan;
 use crate::size::Rows;
@@ -9,7 +10,7 @@ use std::path::Path;
 
 /// Rows to keep, and their limit.
 pub(crate) struct Selection {
-    time_s: Option<[f64; 2]>,
+    pub time_s: Option<[f64; 2]>,
     /// Every n-th selected row is kept.
     every: usize,
     /// Memory for samples, bytes.
@@ -39,7 +40,8 @@ impl Selection {
         chosen: &mut [bool],
     ) -> bool {
         if let Some([from, to]) = self.time_s {
-            let own = time_s + origin.map_or(0.0, |o| o.own_zero_s());
+            let zero = origin.filter(|_| to >= COUNTED_S);
+            let own = time_s + zero.map_or(0.0, |o| o.own_zero_s());
             if own < from || own > to {
                 return false;
             }

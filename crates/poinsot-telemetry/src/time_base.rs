@@ -16,6 +16,9 @@ const PLAUSIBLE_STEP: std::ops::RangeInclusive<f64> = 1e-5..=1e5;
 const APART: f64 = 30.0;
 const APART_STEPS: f64 = 1e4;
 
+/// Share of steps back in time beyond which rows are in no order; several runs in one file have fewer.
+const SHUFFLED: f64 = 0.25;
+
 /// Puts the rows in the order of time and joins those of one time; other disorder is an error.
 pub(crate) fn check(
     path: &Path,
@@ -24,9 +27,22 @@ pub(crate) fn check(
     strict: bool,
     repairs: &mut Vec<String>,
 ) -> Result<(), Faults> {
-    let records = records(plan, columns);
-    for rows in &records {
+    let mut records = records(plan, columns);
+    let mut sorted = false;
+    for rows in &mut records {
+        if plan.chooses_all() && !columns.follows && is_shuffled(columns, rows) {
+            rows.sort_by(|a, b| columns.time_s[*a].total_cmp(&columns.time_s[*b]));
+            sorted = true;
+        }
         check_order(path, plan, columns, rows)?;
+    }
+    if sorted {
+        let place = Place::cell(path, 0, &plan.time_column);
+        let repair = "rows in no order of time sorted";
+        if strict {
+            return Err(not_strict(place, repair));
+        }
+        repairs.push(format!("{place}: {repair}"));
     }
     let times = |rows: &Vec<usize>| rows.iter().map(|k| columns.time_s[*k]).collect();
     let steps: Vec<Vec<f64>> = records.iter().map(times).collect();
@@ -47,6 +63,12 @@ fn records(plan: &Plan, columns: &Columns) -> Vec<Vec<usize>> {
         rows.map(|(k, _)| k).collect()
     };
     columns.chosen.iter().map(of).collect()
+}
+
+/// Whether the rows of a channel are in no order of time.
+fn is_shuffled(columns: &Columns, rows: &[usize]) -> bool {
+    let goes_back = |w: &&[usize]| matches!(w, [a, b] if columns.time_s[*b] < columns.time_s[*a]);
+    rows.windows(2).filter(goes_back).count() as f64 > SHUFFLED * rows.len() as f64
 }
 
 fn no_order(path: &Path, plan: &Plan, row: u64, problem: String, advice: &str) -> Faults {

@@ -59,8 +59,9 @@ pub(crate) struct SensorFile {
     pub nonorthogonality: Option<NuisanceFile>,
     /// Delay of the samples, s: "none" (default), "estimate", or { sigma_s = x }.
     pub lag: Option<NuisanceFile>,
-    /// Body from sensor: quaternion, Hamilton, scalar last. Default identity. Columns of telemetry are in body axes in
-    /// any case: this rotation gives the axes of the sensor's errors (noise, bias, scale).
+    /// Body from sensor: quaternion, Hamilton, scalar last. Default identity. The columns of a gyro,
+    /// accelerometer, direction or attitude sensor are in its axes, and reading turns them to those of its body; of the
+    /// other types the rotation gives only the axes of the sensor's errors (noise, bias, scale).
     #[schemars(extend("x-only" = with_axes()))]
     pub rotation_xyzw: Option<[f64; 4]>,
     /// The same as a matrix of rows: takes components in the sensor's axes to components in the body's.

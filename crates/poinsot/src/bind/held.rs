@@ -118,10 +118,14 @@ impl Silent<'_> {
                 format!("add or map its column (unused: {})", told.join(", "))
             }
         };
+        // What the files say of a channel that they could have had.
+        let names = |said: &&String| said.split([' ', ',', ':', ';', '\'']).any(|w| w == name);
+        let said = channels.table.repairs.iter().find(names);
+        let said = said.map_or(String::new(), |said| format!(" ({said})"));
         let problem = match &self.moves {
             Some(rate) => format!("no channel '{name}', but '{rate}' says that the joint moves"),
             None => {
-                format!("no channel '{name}', and the model does not say what {subject} does")
+                format!("no channel '{name}', and the model does not say what {subject} does{said}")
             }
         };
         let advice = format!("{map}; or write {}", self.declare);

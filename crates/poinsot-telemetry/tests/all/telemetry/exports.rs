@@ -8,7 +8,7 @@ use poinsot_telemetry::{
 use std::f64::consts::PI;
 use std::io::Write;
 
-fn of(all: FileMap) -> ReadOptions {
+pub(super) fn of(all: FileMap) -> ReadOptions {
     ReadOptions {
         map: TelemetryMap {
             all,
@@ -18,12 +18,12 @@ fn of(all: FileMap) -> ReadOptions {
     }
 }
 
-fn named(columns: &[&str]) -> Option<Vec<AttitudeColumn>> {
+pub(super) fn named(columns: &[&str]) -> Option<Vec<AttitudeColumn>> {
     let name = |column: &&str| AttitudeColumn::Name((*column).to_owned());
     Some(columns.iter().map(name).collect())
 }
 
-fn iso(column: &str) -> Option<TimeMap> {
+pub(super) fn iso(column: &str) -> Option<TimeMap> {
     Some(TimeMap {
         column: column.to_owned(),
         format: TimeFormat::Iso8601,

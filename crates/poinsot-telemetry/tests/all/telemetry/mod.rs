@@ -12,6 +12,7 @@ mod real_data;
 mod resampling;
 mod round_trip;
 mod segments;
+mod unusual_exports;
 
 use poinsot_telemetry::{ReadOptions, Table, read};
 use std::path::PathBuf;
