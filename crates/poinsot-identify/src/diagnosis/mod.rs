@@ -96,7 +96,7 @@ pub(crate) fn diagnose(
         affordable,
     };
     // A convention that explains chi-square needs no other cause; testing all is slow.
-    let mistake = affordable
+    let mistake = (affordable && misfit)
         .then(|| conventions::conventions(experiment, fitted, (excess, dof as f64)))
         .flatten();
     match mistake {
