@@ -204,3 +204,49 @@ fn regress_attitude_relative_to_the_orbital_frame() {
         SATELLITE,
     );
 }
+
+/// Inertia of the small satellite.
+const SMALL: [f64; 6] = [0.138, 0.002, 0.109, -0.0013, 0.0008, 0.066];
+
+/// What the program itself proposes leads to the truth.
+#[test]
+fn regress_reported_records_are_right_after_repair() {
+    let repaired = |name| {
+        let record = Record::new(name, &[], "");
+        let mut request = record.request();
+        request.question.repair = true;
+        identify(&request).unwrap_or_else(|error| panic!("{name}: {error}"))
+    };
+    for name in [
+        "rates_in_world_axes",
+        "joint_of_other_sign",
+        "joint_within_one_turn",
+        "joint_behind_a_pulley",
+    ] {
+        is_the_tool(&repaired(name));
+    }
+    agrees(&repaired("held_attitude"), None, None, SATELLITE);
+    agrees(&repaired("unknown_torque"), None, None, SMALL);
+    agrees(&repaired("mirrored_sun_sensor"), None, None, SMALL);
+}
+
+/// The mass centre is then the origin, and nominal is far away.
+#[test]
+fn regress_the_velocity_of_the_mass_centre_is_doubted() {
+    let found = Record::new("velocity_of_mass_centre", &[], "").answer();
+    let doubts = format!("{:?}", found.estimate.doubts());
+    assert!(
+        !found.passes() && doubts.contains("mass centre"),
+        "{doubts}"
+    );
+}
+
+#[test]
+fn regress_a_mass_centre_alone_is_told_what_else_to_ask_for() {
+    let said = Record::new("mass_centre_alone", &[], "").refusal();
+    assert!(said.contains("add \"inertia\" to estimate"), "{said}");
+    let both = ("estimate = [\"com\"]", "estimate = [\"com\", \"inertia\"]");
+    let [_, x, y, z, inertia @ ..] = TOOL;
+    let found = Record::new("mass_centre_alone", &[both], "").answer();
+    agrees(&found, None, Some([x, y, z]), inertia);
+}
