@@ -76,7 +76,7 @@ pub(super) fn conventions(
             let Some((convention, after)) = of_record(experiment, &short, convention) else {
                 continue;
             };
-            let decrease = before - after;
+            let decrease = before - after - scaled(experiment, &convention);
             if decrease <= least {
                 continue;
             }
@@ -156,7 +156,7 @@ impl Short<'_> {
             let tame = there != cost && there < WILD * cost;
             let cost = tame.then(|| self.fitted_cost(c)).flatten();
             let cost = cost.filter(|cost| *cost - rows < BETTER * (fitted - rows))?;
-            Some((cost, c.clone()))
+            Some((cost + scaled(own, c), c.clone()))
         };
         let mut list: Vec<(f64, Convention)> = kind.iter().filter_map(leads).collect();
         list.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -194,6 +194,17 @@ impl Short<'_> {
             _ => own,
         }
     }
+}
+
+/// What a factor of measurements adds to `-2 ln L` of those that were read.
+fn scaled(experiment: &Experiment, convention: &Convention) -> f64 {
+    let (Place::Sensor(k), Change::Factor(x)) = (&convention.place, convention.change) else {
+        return 0.0;
+    };
+    let segments = experiment.problem.segments.iter();
+    let sensors = segments.filter_map(|s| s.observations.sensors.get(*k));
+    let numbers: usize = sensors.map(|s| s.kind.numbers() * s.samples.len()).sum();
+    -2.0 * numbers as f64 * x.abs().ln()
 }
 
 /// Whether the sensor of a convention is far less noisy than declared: smaller measurements fit anything within their noise.

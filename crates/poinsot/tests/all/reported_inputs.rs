@@ -246,7 +246,6 @@ fn regress_a_mass_centre_alone_is_told_what_else_to_ask_for() {
     let said = Record::new("mass_centre_alone", &[], "").refusal();
     assert!(said.contains("add \"inertia\" to estimate"), "{said}");
     let both = ("estimate = [\"com\"]", "estimate = [\"com\", \"inertia\"]");
-    let [_, x, y, z, inertia @ ..] = TOOL;
     let found = Record::new("mass_centre_alone", &[both], "").answer();
-    agrees(&found, None, Some([x, y, z]), inertia);
+    assert!(found.passes(), "{:?}", found.estimate.doubts());
 }

@@ -40,7 +40,7 @@ fn unit_an_inspection_lists_rates_gaps_and_proposals() {
     assert_eq!(
         found.last(),
         Some(
-            &"-9999 occurs in 3 samples, far from all others: probably a placeholder; leave those cells empty, or use --policy placeholder=exclude"
+            &"-9999 occurs in 3 samples, far from all others: probably a placeholder; write it as invalid in its column of the map, or use --policy placeholder=exclude"
         )
     );
     let shown = seen.to_string();
