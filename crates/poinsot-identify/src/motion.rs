@@ -24,7 +24,7 @@ mod virtual_joints;
 
 pub(crate) use acceleration::BodyPoint;
 use acceleration::ForceScratch;
-pub(crate) use joint_scales::cubic;
+pub(crate) use joint_scales::{cubic, joint_scales};
 pub(crate) use mass_loss::impulse_before;
 pub(crate) use poinsot_dynamics::propagation::{
     Column, FlexibleMotion as Instant, FlexibleState as State, Matrix6x12, pose_change,

@@ -82,10 +82,10 @@ pub fn read_parts(parts: &[Part], options: &ReadOptions) -> Result<Table, Faults
     unused.check(&paths, &mut table.repairs)?;
     mount(&mut table, &options.mountings);
     if let Some(map) = &options.map.orbital_frame {
-        orbital::to_inertial(&mut table, map);
+        orbital::to_inertial(&mut table, map)?;
     }
     if options.map.inertial_rates {
-        orbital::to_body(&mut table);
+        orbital::to_body(&mut table)?;
     }
     if options.check_conventions {
         check_conventions(&table)?;

@@ -152,9 +152,8 @@ pub(crate) fn assumptions(model: &Model, solution: &Solution, rows: &[Row]) -> V
         .map(|of| (of, largest(of)))
         .collect();
     let point = Assumed {
-        what:
-            "velocity and position are those of the place of their sensor, not of the mass centre"
-                .to_owned(),
+        what: "velocity and position refer to the position of their sensor, not to the mass centre"
+            .to_owned(),
         change: format!("{POINT_OFF_M} m off"),
         shift: Vec::new(),
     };

@@ -10,6 +10,7 @@ use crate::answer::rejection::Rejection;
 use crate::answer::reliability::{NOISE_FREE, Reliability};
 use crate::answer::signatures::{at_origin, equal_scales};
 use crate::certify::naming;
+use crate::motion::joint_scales;
 use crate::problem::Problem;
 use crate::problem::parameters::Equations;
 use crate::problem::parameters::UnknownKind;
@@ -120,16 +121,13 @@ fn whole(
     let samples = &problem.segments.first()?.samples;
     let mut position = samples.joint_position.get(..problem.tree.dof())?.to_vec();
     // A sample is (1 + scale) truth + offset.
-    let errors = || solution.parameters.unknowns.iter().zip(&solution.x);
-    for (unknown, offset) in errors() {
+    for (unknown, offset) in solution.parameters.unknowns.iter().zip(&solution.x) {
         if let UnknownKind::JointOffset(k) = unknown.kind {
             position[k] -= offset;
         }
     }
-    for (unknown, scale) in errors() {
-        if let UnknownKind::JointScale(k) = unknown.kind {
-            position[k] /= 1.0 + scale;
-        }
+    for own in joint_scales(&solution.parameters, &solution.x) {
+        position[own.joint] *= own.factor();
     }
     Some((
         system(estimator, solution, problem.tree, &position),

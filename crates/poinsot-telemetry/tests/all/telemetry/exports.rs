@@ -435,4 +435,21 @@ fn exact_late_times_and_rates_in_inertial_axes() {
     assert_eq!((x.time_s[0], x.time_s.last()), (-0.5, Some(&6.5)));
     assert!(x.values.iter().all(|w| (w - 1.0).abs() < 1e-14));
     assert!(y.values.iter().all(|w| w.abs() < 1e-14));
+    let left_out = "1 samples of the angular velocity left out: no attitude at their times";
+    assert!(
+        table.repairs.iter().any(|r| r == left_out),
+        "{:?}",
+        table.repairs
+    );
+    // Without an attitude nothing turns them.
+    options.map.all = FileMap::default();
+    let error = read_text(
+        "time_s,omega_x,omega_y,omega_z\n0,0,1,0\n1,0,1,0\n".to_owned(),
+        &options,
+    );
+    let error = error.unwrap_err();
+    assert!(
+        error.starts_with("E0212") && error.contains("inertial_rates"),
+        "{error}"
+    );
 }

@@ -191,7 +191,7 @@ fn exact_what_is_missing_is_derived_and_said() {
     let all = ask(&truth, vec![whole], "linear");
     // Of which point the velocity is, no record tells.
     let mut said = all.repairs();
-    said.retain(|text| !text.starts_with("assumed: velocity and position are"));
+    said.retain(|text| !text.starts_with("assumed: velocity and position refer"));
     assert!(said.is_empty(), "{said:?}");
 }
 
