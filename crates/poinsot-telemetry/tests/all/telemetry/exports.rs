@@ -443,10 +443,8 @@ fn exact_late_times_and_rates_in_inertial_axes() {
     );
     // Without an attitude nothing turns them.
     options.map.all = FileMap::default();
-    let error = read_text(
-        "time_s,omega_x,omega_y,omega_z\n0,0,1,0\n1,0,1,0\n".to_owned(),
-        &options,
-    );
+    let text = "time_s,omega_x,omega_y,omega_z\n0,0,1,0\n1,0,1,0\n";
+    let error = read_text(text, &options);
     let error = error.unwrap_err();
     assert!(
         error.starts_with("E0212") && error.contains("inertial_rates"),
