@@ -121,7 +121,8 @@ impl<'a> AlternativeFit<'a> {
 
     /// A fit that ends at no minimum replaces none that does.
     fn may_become(&self, other: &Fitted) -> bool {
-        other.is_found() || !self.fitted.is_found()
+        let [other, own] = [other, &self.fitted].map(|f| (f.is_found(), f.converged));
+        other >= own
     }
 
     /// -2 ln L at its end, up to a constant.

@@ -34,6 +34,7 @@ fn at_times(segment: &Segment, kept: &[usize]) -> Segment {
     let o = &segment.observations;
     let dof = o.joint_position.len() / o.time_s.len().max(1);
     let wheels = o.wheel_speed.len() / o.time_s.len().max(1);
+    let errors = o.expected_errors.len() / o.time_s.len().max(1);
     let rows = |all: &[f64], width: usize| -> Vec<f64> {
         let mut rows = Vec::with_capacity(width * kept.len());
         for k in kept {
@@ -52,7 +53,7 @@ fn at_times(segment: &Segment, kept: &[usize]) -> Segment {
         joints: at_kept_times(&o.joints, kept),
         wheels: at_kept_times(&o.wheels, kept),
         between_readings: o.between_readings,
-        expected_errors: Vec::new(),
+        expected_errors: rows(&o.expected_errors, errors),
     };
     Segment {
         label: segment.label.clone(),

@@ -8,12 +8,16 @@
 //! model cannot explain although the fit converged contradicts the model; one at which the fit does not converge ends the
 //! search without an answer.
 //!
+//! Where the motion is unstable, the noise of measured inputs carries the prediction off with time, however good the numbers
+//! are. A record along which no fit converges is followed once more about inputs that all sensors smooth, beginning by beginning.
+//!
 //! The first steps need not be exact: a few samples lead as close in a fraction of the time.
 
 use crate::fit::coordinates::PhysicalBodies;
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::momentum_state::{Fitted, Search, fit_from, fit_on, is_settled};
 use crate::fit::part_of_record::{FEW, beginning, thinned};
+use crate::fit::smoothed_inputs::{SmoothedInputs, smoothed};
 use crate::fit::step::{ITERATIONS, moved, physical_bodies};
 use crate::problem::refusal::no_motion;
 use crate::problem::segment::Segment;
@@ -65,6 +69,19 @@ pub(crate) fn fit(
         }
     }
     search(experiment, &starts).ok_or_else(no_motion)
+}
+
+/// The fit about smoothed inputs, followed along the record; `None` where it does not converge either.
+pub(crate) fn fit_about_smoothed(
+    experiment: &Experiment,
+    linear: Option<&Iterate>,
+) -> Option<SmoothedInputs> {
+    let bodies = physical_bodies(experiment, experiment.parameters.mass_unknowns);
+    let starts = starts(experiment, linear, bodies.as_ref());
+    let path = follow_on(experiment, &starts, true);
+    let at = path.at.filter(|_| path.end == Search::Whole)?;
+    let found = SmoothedInputs::about(experiment, at, path.segments)?;
+    (found.fitted.converged && found.fitted.explains).then_some(found)
 }
 
 /// The linear solution and the nominal numbers, where the bodies are physical.
@@ -214,13 +231,15 @@ struct Followed {
     /// Where the last one that explains its beginning ended.
     at: Option<Iterate>,
     end: Search,
+    /// The records, about smoothed inputs where the experiment smooths them.
+    segments: Vec<Segment>,
 }
 
 /// Follows the record from its longest beginning that a start explains; where that does not lead to its end, with what a
 /// beginning does not tell held about the nominal numbers. First steps from far away carry it off: the scale of a tensor before
 /// the first pulse.
 fn follow(experiment: &Experiment, starts: &[Iterate]) -> Followed {
-    let free = follow_on(experiment, starts);
+    let free = follow_on(experiment, starts, false);
     if free.end == Search::Whole {
         return free;
     }
@@ -229,14 +248,15 @@ fn follow(experiment: &Experiment, starts: &[Iterate]) -> Followed {
         model: &model,
         ..*experiment.problem
     };
-    let held = follow_on(&experiment.with_problem(&problem), starts);
+    let held = follow_on(&experiment.with_problem(&problem), starts, false);
     match held.end {
         Search::Whole => held,
         _ => free,
     }
 }
 
-fn follow_on(experiment: &Experiment, starts: &[Iterate]) -> Followed {
+/// The same without help; about inputs that each beginning smooths, if so.
+fn follow_on(experiment: &Experiment, starts: &[Iterate], smooths: bool) -> Followed {
     let mut share = SHORTER;
     let mut settled = false;
     let first = loop {
@@ -246,7 +266,12 @@ fn follow_on(experiment: &Experiment, starts: &[Iterate]) -> Followed {
             } else {
                 Search::Lost(0.0)
             };
-            return Followed { at: None, end };
+            let segments = Vec::new();
+            return Followed {
+                at: None,
+                end,
+                segments,
+            };
         }
         let mut found = starts
             .iter()
@@ -261,7 +286,7 @@ fn follow_on(experiment: &Experiment, starts: &[Iterate]) -> Followed {
             None => share *= SHORTER,
         }
     };
-    extend(experiment, first, share)
+    extend(experiment, (first, share), smooths)
 }
 
 /// The vehicle with unknown bodies whose nominal numbers may be off by their own size, where nothing else is declared.
@@ -281,14 +306,23 @@ fn loosely_known(model: &Model) -> Model {
 }
 
 /// Extends the beginning whose fit ended at a point to the whole record.
-fn extend(experiment: &Experiment, mut at: Iterate, mut share: f64) -> Followed {
+fn extend(experiment: &Experiment, (mut at, mut share): (Iterate, f64), smooths: bool) -> Followed {
     let mut factor = LONGER;
+    let mut segments = experiment.problem.segments.to_vec();
     let end = loop {
+        if smooths {
+            let Some(about) = smoothed(experiment, &segments, &at, share) else {
+                break Search::Lost(share);
+            };
+            segments = about;
+        }
         if share >= 1.0 {
             break Search::Whole;
         }
+        let problem = experiment.problem.with_segments(&segments);
+        let own = experiment.with_problem(&problem);
         let longer = (share * factor).min(1.0);
-        match fit_beginning(experiment, &at, longer) {
+        match fit_beginning(&own, &at, longer) {
             Some(found) if found.explains => {
                 (at, share) = (found.at, longer);
                 factor = LONGER.min(factor * factor);
@@ -298,7 +332,11 @@ fn extend(experiment: &Experiment, mut at: Iterate, mut share: f64) -> Followed 
             _ => break Search::Lost(share),
         }
     };
-    Followed { at: Some(at), end }
+    Followed {
+        at: Some(at),
+        end,
+        segments,
+    }
 }
 
 fn is_long_enough(experiment: &Experiment, share: f64) -> bool {
@@ -320,6 +358,7 @@ struct Beginning {
 fn fit_beginning(experiment: &Experiment, start: &Iterate, share: f64) -> Option<Beginning> {
     let segments = experiment.problem.segments.iter();
     let whole: Vec<Segment> = segments.map(|s| beginning(s, share)).collect();
+    let is_smoothed = whole.iter().any(|s| s.observations.is_smoothed());
     let fit = |segments: &[Segment]| {
         let problem = experiment.problem.with_segments(segments);
         let part = experiment.with_problem(&problem).near();
@@ -331,7 +370,8 @@ fn fit_beginning(experiment: &Experiment, start: &Iterate, share: f64) -> Option
             at: end.at,
         })
     };
-    let few = few_samples(&whole).and_then(|few| fit(&few));
+    let few = few_samples(&whole).filter(|_| !is_smoothed);
+    let few = few.and_then(|few| fit(&few));
     few.filter(|f| f.explains).or_else(|| fit(&whole))
 }
 

@@ -14,6 +14,7 @@
 //! motion has a proper law, the mean of its samples' posterior drives, and nothing has to be smoothed: the error is independent of that mean.
 
 use crate::fit::experiment::{Experiment, Iterate};
+use crate::fit::part_of_record::beginning;
 use crate::fit::step::ITERATIONS;
 use crate::fit::{Fitted, fit_on};
 use crate::likelihood::{Evaluated, InitialState, start};
@@ -44,17 +45,29 @@ pub(crate) struct SmoothedInputs {
 impl SmoothedInputs {
     /// From a fit along measured inputs; `None` where its bias is small in what the data determine well.
     pub fn new(experiment: &Experiment, fitted: &Fitted) -> Option<Self> {
-        let accuracy = experiment.problem.relative_accuracy.min(LINEAR);
-        let told = fitted.spectrum.clone().judged(accuracy);
+        let told = judged(experiment, &fitted.spectrum);
         if bias(experiment, &fitted.at, (&fitted.evaluated, &told))? < SMALL {
             return None;
         }
-        let (mut at, mut iterations) = (fitted.at.clone(), fitted.iterations);
-        let mut segments = smoothed(experiment, &at)?;
+        let segments = experiment.problem.segments;
+        let segments = smoothed(experiment, segments, &fitted.at, 1.0)?;
+        let mut found = Self::about(experiment, fitted.at.clone(), segments)?;
+        found.fitted.iterations += fitted.iterations;
+        Some(found)
+    }
+
+    /// From a point, about inputs that are smoothed there.
+    pub fn about(
+        experiment: &Experiment,
+        mut at: Iterate,
+        mut segments: Vec<Segment>,
+    ) -> Option<Self> {
+        let mut iterations = 0;
         for round in 1..=ROUNDS {
             let problem = experiment.problem.with_segments(&segments);
             let about = experiment.of_vehicle(&problem, experiment.parameters);
             let here = about.linearise(&at)?;
+            let told = judged(experiment, &here.rows.spectrum);
             let mut fitted = fit_on(&about, at.clone(), here, ITERATIONS)?;
             let near = moved(&told, (&at.x, &fitted.at.x)) < SMALL;
             iterations += fitted.iterations;
@@ -64,10 +77,16 @@ impl SmoothedInputs {
                 return Some(Self { segments, fitted });
             }
             at = fitted.at;
-            segments = smoothed(&about, &at)?;
+            segments = smoothed(experiment, &segments, &at, 1.0)?;
         }
         None
     }
+}
+
+/// What the data determine well, where predictions are linear.
+fn judged(experiment: &Experiment, spectrum: &Spectrum) -> Spectrum {
+    let accuracy = experiment.problem.relative_accuracy.min(LINEAR);
+    spectrum.clone().judged(accuracy)
 }
 
 /// How far a fit has moved what the data determine, sigmas; at the limit of physical bodies less than its full step would.
@@ -78,12 +97,26 @@ fn moved(told: &Spectrum, (from, to): (&[f64], &[f64])) -> f64 {
     (0..told.accurate).map(along).sum::<f64>().sqrt()
 }
 
-/// The records about inputs that all samples smooth at a point.
-fn smoothed(experiment: &Experiment, at: &Iterate) -> Option<Vec<Segment>> {
-    let mut recorded = experiment.clone();
+/// Records about inputs that the samples of their beginning, this share, smooth at a point.
+pub(super) fn smoothed(
+    experiment: &Experiment,
+    segments: &[Segment],
+    at: &Iterate,
+    share: f64,
+) -> Option<Vec<Segment>> {
+    let part: Vec<Segment> = segments.iter().map(|s| beginning(s, share)).collect();
+    let problem = experiment.problem.with_segments(&part);
+    let mut recorded = match share < 1.0 {
+        true => experiment.with_problem(&problem),
+        false => experiment.of_vehicle(&problem, experiment.parameters),
+    };
     recorded.smooth_inputs = true;
     let evaluated = recorded.evaluate(at, false)?;
-    evaluated.into_iter().map(|e| e.smoothed).collect()
+    let begun = evaluated.into_iter().map(|e| e.smoothed);
+    let whole = segments.iter().zip(begun);
+    whole
+        .map(|(s, begun)| Some(s.about_inputs_of(&begun?)))
+        .collect()
 }
 
 /// Largest bias of a number of the answer, sigmas: `|C^(1/2) b|`.

@@ -17,7 +17,7 @@ use crate::fit::part_of_record::beginning;
 use crate::fit::profile::profiled;
 use crate::fit::step_error::StepError;
 use crate::fit::triangle::conditional_estimate;
-use crate::fit::{Fitted, Search, fit};
+use crate::fit::{Fitted, Search, fit, fit_about_smoothed};
 use crate::likelihood::{
     ChannelResidual, Evaluated, InitialState, InitialStateColumns, MeasuredMotion,
 };
@@ -92,17 +92,22 @@ pub(super) fn solve_from(
     // The alternatives of what inputs do between their samples, each from the end of the best one before it.
     let explains = |fitted: &Fitted| consistent(&fitted.evaluated, &settings);
     let first = fit(&experiment, start.as_ref())?;
-    let with_known = || fit_known(&experiment, &first);
-    if !first.is_found() && with_known().is_none_or(|known| !known.fitted.converged) {
+    let known = || fit_known(&experiment, &first).filter(|known| known.fitted.converged);
+    let followed = (!first.converged).then(|| fit_about_smoothed(&experiment, start.as_ref()));
+    let (followed, end) = followed.flatten().map(|s| (s.segments, s.fitted)).unzip();
+    if followed.is_none() && !first.is_found() && known().is_none() {
         return Ok(FinishedFit::lost(&experiment, &first));
     }
+    let along = followed.as_ref().map(|s| problem.with_segments(s));
     let best = AlternativeFit::new(experiment, first)
+        .about(along.as_ref().zip(end))
         .or_other_rest_motion()
         .or_smooth_wheels();
-    let process = best.wheel_process(explains);
+    let measured = along.is_none();
+    let process = measured.then(|| best.wheel_process(explains)).flatten();
     let driven = process.as_ref().map(|process| process.problem(problem));
     let best = best.or_random_torque(driven.as_ref(), explains);
-    let smoothed = best.smoothed(explains);
+    let smoothed = measured.then(|| best.smoothed(explains)).flatten();
     let (smooth, fitted) = smoothed.map(|s| (s.segments, s.fitted)).unzip();
     let about = smooth.as_ref().map(|s| problem.with_segments(s));
     let (best, step_error) = best.about(about.as_ref().zip(fitted)).within_steps();
@@ -159,7 +164,9 @@ pub(super) fn solve_from(
         solution,
         at,
         shifted,
-        segments: smooth.or(process.filter(|_| at_random).map(|p| p.segments)),
+        segments: smooth
+            .or(process.filter(|_| at_random).map(|p| p.segments))
+            .or(followed),
     })
 }
 

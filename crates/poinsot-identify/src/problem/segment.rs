@@ -463,6 +463,26 @@ pub struct Segment {
     pub accelerations: Option<Accelerations>,
 }
 
+impl Segment {
+    /// The same about the inputs of its beginning.
+    pub(crate) fn about_inputs_of(&self, begun: &Self) -> Self {
+        let mut whole = self.clone();
+        let (o, b) = (&mut whole.observations, &begun.observations);
+        let width = b.expected_errors.len() / b.time_s.len().max(1);
+        o.expected_errors.resize(width * o.time_s.len(), 0.0);
+        let inputs = [
+            (&mut o.joint_position, &b.joint_position),
+            (&mut o.joint_rate, &b.joint_rate),
+            (&mut o.wheel_speed, &b.wheel_speed),
+            (&mut o.expected_errors, &b.expected_errors),
+        ];
+        for (own, begun) in inputs {
+            own[..begun.len()].copy_from_slice(begun);
+        }
+        whole
+    }
+}
+
 /// Declared noise of what enters the linear rows ([`Samples`]) and of the inputs, one sample each, and its observed
 /// share in the data (0 for a noise-free file).
 #[derive(Debug, Clone, PartialEq)]

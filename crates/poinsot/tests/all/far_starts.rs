@@ -277,10 +277,17 @@ fn dual_spin(seed: u64) -> Record {
     }
 }
 
-/// Tumbling in a gravity gradient over several orbits.
-fn gravity_gradient(seed: u64) -> Record {
+/// Tumbling in a gravity gradient over several orbits; with wheels whose speeds are measured with this sigma, rad/s, so slowly that
+/// the motion is unstable: the noise of the wheels carries a prediction off.
+fn gravity_gradient(tachometer: Option<f64>, seed: u64) -> Record {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let (I, nominal) = tensors([110.0, 137.0, 55.0], &mut random);
+    let (spin, share) = (0.01, tachometer.map_or(1.0, |_| 0.3));
+    let speed = move |axis: usize, t: f64| {
+        let w = std::f64::consts::TAU / [700.0, 1100.0, 1700.0][axis];
+        let size = tachometer.map_or(0.0, |_| 20.0);
+        [size * (w * t).sin(), size * w * (w * t).cos()]
+    };
     let n = (GM / RADIUS.powi(3)).sqrt();
     let place = move |t: f64| Vector3::new((n * t).cos(), (n * t).sin(), 0.0);
     let flight = Flight {
@@ -288,8 +295,12 @@ fn gravity_gradient(seed: u64) -> Record {
             let up = R.inverse() * place(t);
             3.0 * n * n * up.cross(&(I * up))
         }),
+        stored: Box::new(move |t| {
+            let all = [0, 1, 2].map(|axis| speed(axis, t));
+            [0, 1].map(|k| Vector3::from_fn(|i, _| spin * all[i][k]))
+        }),
         steps_per_s: 2,
-        ..Flight::coasting(I, Vector3::new(1.0e-3, -3.0e-3, 2.0e-3), 12_000.0)
+        ..Flight::coasting(I, Vector3::new(1.0e-3, -3.0e-3, 2.0e-3) * share, 12_000.0)
     };
     let mut table = Table::default();
     let states = flight.fly();
@@ -323,7 +334,24 @@ fn gravity_gradient(seed: u64) -> Record {
     for ((name, unit), samples) in names.iter().zip(&columns) {
         table.channels.push(channel(name, unit, samples));
     }
-    let model = ModelText::new("gradient").body("bus", 200.0, [0.0; 3], nominal, INERTIA);
+    let mut model = ModelText::new("gradient").body("bus", 200.0, [0.0; 3], nominal, INERTIA);
+    if let Some(sigma) = tachometer {
+        for axis in 0..3 {
+            let name = format!("w{axis}");
+            let of = |(t, _, _): &(f64, _, _)| {
+                let error = sigma * random.sample::<f64, _>(StandardNormal);
+                (*t, speed(axis, *t)[0] + error)
+            };
+            let samples: Vec<(f64, f64)> = states.iter().step_by(20).map(of).collect();
+            let column = channel(&format!("{name}_rad_s"), "rad/s", &samples);
+            table.channels.push(column);
+            let mut along = [0.0; 3];
+            along[axis] = 1.0;
+            model = model.wheel(&name, "bus", along, spin);
+        }
+        let noise = format!("noise_rad_s = {sigma:?}");
+        model = model.sensor("tachometer", "wheel_speed", &noise);
+    }
     let text = sensors(model, Some(gyro), tracker).text();
     let environment = format!(
         "[environment]\ngravity = \"point_mass\"\ngm_m3_s2 = {GM:?}\ngravity_gradient = true\n"
@@ -339,7 +367,7 @@ fn gravity_gradient(seed: u64) -> Record {
 /// there are as many as the motion tells: six, or five of a gradient that nothing known gives a scale.
 fn answer(record: Record) -> (Identified, Option<f64>) {
     let model = parse_model(&record.model, "model.toml").unwrap();
-    let told = 6 - usize::from(model.environment.gravity_gradient);
+    let told = 6 - usize::from(model.environment.gravity_gradient && model.wheels.is_empty());
     let found = identify_tables(model, vec![record.table], &Question::default()).unwrap();
     let element = |name: &str| {
         let names = ["xx", "xy", "yy", "xz", "yz", "zz"];
@@ -379,6 +407,14 @@ fn regress_joints_that_turn_faster_than_the_base_are_propagated() {
     is_right(dual_spin(1));
 }
 
+/// Along the wheels as they were measured no fit converges: they are smoothed beginning by beginning.
+#[test]
+fn regress_noisy_wheels_in_an_unstable_motion_are_followed() {
+    is_right(gravity_gradient(Some(0.3), 3));
+    // Here a fit along the measured wheels explains the record, and stops beside the minimum.
+    is_right(gravity_gradient(Some(0.3), 4));
+}
+
 /// Of every kind and seed a record with nominals 10 % off: most are answered, and no answer that is trusted is wrong.
 #[test]
 fn stat_far_starts_end_at_the_truth_or_nowhere() {
@@ -388,7 +424,7 @@ fn stat_far_starts_end_at_the_truth_or_nowhere() {
         ("wheels", |seed| wheels(Some(GYRO), seed)),
         ("wheels without gyro", |seed| wheels(None, seed)),
         ("dual spin", dual_spin),
-        ("gravity gradient", gravity_gradient),
+        ("gravity gradient", |seed| gravity_gradient(None, seed)),
     ];
     let mut answered = 0;
     let mut all = 0;
