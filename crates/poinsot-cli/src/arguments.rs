@@ -271,6 +271,10 @@ pub struct Import {
     /// Model file to write. Default: standard output.
     #[arg(long, short = 'o', value_name = "MODEL.toml")]
     pub out: Option<PathBuf>,
+    /// Link to be the base, for example that of the gyro: its frame is that of the body axes. Joints between it and the root are
+    /// reversed and keep their positions; one that moves gets a new link without mass, named NAME_frame. Default: the root.
+    #[arg(long, value_name = "LINK")]
+    pub base: Option<String>,
     /// Fix links to their parents that move without mass (dummy links), instead of refusing them.
     #[arg(long)]
     pub allow_massless: bool,

@@ -25,7 +25,7 @@ pub(crate) fn known(
                 let name = entry.and_then(|entry| entry.get("name")?.as_str());
                 findings.note(
                     &Key::entry(table, at, name).at("uncertainty").at(key),
-                    "the uncertainty has no effect: the number is estimated, or it defines the axes of its body; remove it",
+                    "the uncertainty has no effect: the number is estimated, it defines the axes of its body, or the momentum of the wheel is measured; remove it",
                 );
             }
             out.uncertain.push(Uncertain { number, sigma });

@@ -20,10 +20,20 @@ pub(crate) fn check_telemetry(
     let key = Key::top("telemetry");
     let of_file = |k: Option<usize>| k.map_or_else(|| key.clone(), |k| key.at("file").index(k));
     if let Some(known) = model.map(channels) {
+        let wheels = model.iter().flat_map(|m| m.wheel.iter().flatten());
+        let spins = wheels.filter(|wheel| wheel.estimate != Some(true));
+        let spins: Vec<&str> = spins.filter_map(|w| w.name.as_deref()).collect();
         let mut check = |part: &mut FileMap, key: &Key| {
             part.columns.retain(|column| {
                 let here = key.at("columns").named(&column.channel);
-                check_channel(&column.channel, &known, &here, findings)
+                let is_known = check_channel(&column.channel, &known, &here, findings);
+                let wheel = column.channel.strip_suffix("_rad_s").unwrap_or_default();
+                if is_known && column.is_momentum() && !spins.contains(&wheel) {
+                    let problem = "the speed is this momentum over a spin inertia, and no wheel has a known one";
+                    let remedy = "remove estimate = true of the wheel, or map a column of the speed";
+                    findings.refuse("E0212", &here.at("unit"), problem, remedy);
+                }
+                is_known
             });
         };
         check(&mut map.all, &key);

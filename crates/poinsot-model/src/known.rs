@@ -97,7 +97,10 @@ impl KnownNumber {
             Self::Mass(k) => body(k).is_some_and(|b| !b.estimate.mass),
             Self::MassCentre(k) => body(k).is_some_and(|b| !b.estimate.com),
             Self::Inertia(k) => body(k).is_some_and(|b| !b.estimate.inertia),
-            Self::SpinInertia(k) => wheel(k).is_some_and(|w| !w.estimate),
+            // The momentum is measured: the number has no effect on it.
+            Self::SpinInertia(k) => {
+                wheel(k).is_some_and(|w| !w.estimate && !model.telemetry.has_momentum(&w.name))
+            }
             Self::WheelAxis(k) => wheel(k).is_some_and(|w| w.misalignment == Nuisance::Known),
             Self::JointOrigin(k) => joint(k).is_some(),
             Self::JointAxis(k) => joint(k).is_some_and(|j| j.axis_C != Vector3::zeros()),

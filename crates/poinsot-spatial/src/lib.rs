@@ -50,6 +50,8 @@ pub use skew::skew;
 pub type Vector3 = nalgebra::Vector3<f64>;
 /// A 3 x 3 matrix.
 pub type Matrix3 = nalgebra::Matrix3<f64>;
+/// A rotation matrix.
+pub type Rotation3 = nalgebra::Rotation3<f64>;
 /// A twist `[v; w]` or a momentum `[l; h]`: linear part first.
 pub type Vector6 = nalgebra::Vector6<f64>;
 /// A 6 x 6 matrix acting on twists.

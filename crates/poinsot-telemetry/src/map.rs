@@ -2,7 +2,7 @@
 //! which name tables and channels in brackets.
 #![allow(rustdoc::broken_intra_doc_links, rustdoc::invalid_html_tags)]
 
-use crate::{Order, Scale, Sense};
+use crate::{Dimension, Order, Scale, Sense, parse_unit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::collections::BTreeMap;
@@ -133,7 +133,8 @@ pub struct ColumnMap {
     /// Name of the column in the file.
     #[schemars(extend("minLength" = 1))]
     pub column: String,
-    /// Unit of the column, for example "deg/s"; `poinsot units` lists all. Default: that of the units row.
+    /// Unit of the column, for example "deg/s"; `poinsot units` lists all. "N m s" of a wheel: its momentum relative to its body, the
+    /// spin inertia of the model times the speed. Default: that of the units row.
     pub unit: Option<String>,
     /// 1 or -1. Default 1.
     pub sign: Option<f64>,
@@ -257,6 +258,12 @@ impl ColumnMap {
     /// Whether the values are changed beyond their unit.
     pub fn is_changed(&self) -> bool {
         self.scale.or(self.offset).or(self.sign).is_some()
+    }
+
+    /// Whether the values are the momentum of a wheel, by its unit; the speed is that over the spin inertia.
+    pub fn is_momentum(&self) -> bool {
+        let unit = self.unit.as_deref().and_then(|u| parse_unit(u).ok());
+        unit.is_some_and(|unit| unit.dimension == Dimension::AngularMomentum)
     }
 
     /// A column in a unit.
@@ -503,6 +510,21 @@ impl TelemetryMap {
             },
             ..Self::default()
         }
+    }
+
+    /// Whether the columns of a wheel are its momentum.
+    ///
+    /// ```
+    /// use poinsot_telemetry::{ColumnMap, TelemetryMap};
+    ///
+    /// let column = ColumnMap::new("rw1_rad_s", "H1", "N m s");
+    /// let map = TelemetryMap::of(vec![column], Vec::new());
+    /// assert!(map.has_momentum("rw1") && !map.has_momentum("rw2"));
+    /// ```
+    pub fn has_momentum(&self, wheel: &str) -> bool {
+        let is_own = |c: &ColumnMap| c.channel.strip_suffix("_rad_s") == Some(wheel);
+        let mut all = self.maps().flat_map(|(_, map)| &map.columns);
+        all.any(|c| is_own(c) && c.is_momentum())
     }
 
     pub(crate) fn for_file(&self, path: &Path) -> FileMap {

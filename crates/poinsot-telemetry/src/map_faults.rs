@@ -63,15 +63,11 @@ fn file_faults(map: &FileMap, units_row: bool) -> Vec<MapFault> {
     let mut add = |table: &[&str], index: Option<usize>, channel: &str, found: Option<Refused>| {
         let Some(found) = found else { return };
         let below = Some(found.key).filter(|key| index.is_none() && !key.is_empty());
+        let keys = table.iter().copied().chain(below);
         faults.push(MapFault {
             code: found.code,
             file: None,
-            keys: table
-                .iter()
-                .copied()
-                .chain(below)
-                .map(str::to_owned)
-                .collect(),
+            keys: keys.map(str::to_owned).collect(),
             index,
             key: index.map_or("", |_| found.key),
             channel: channel.to_owned(),
@@ -79,44 +75,30 @@ fn file_faults(map: &FileMap, units_row: bool) -> Vec<MapFault> {
             remedy: found.remedy,
         });
     };
+    let (delimiter, comment) = (&map.layout.delimiter, &map.layout.comment);
+    let remedy = "write \",\", \";\", \"|\", \"tab\" or \"space\"";
     for (key, text, remedy) in [
-        (
-            "delimiter",
-            &map.layout.delimiter,
-            "write \",\", \";\", \"|\", \"tab\" or \"space\"",
-        ),
-        ("comment", &map.layout.comment, "write for example \"#\""),
+        ("delimiter", delimiter, remedy),
+        ("comment", comment, "write for example \"#\""),
     ] {
         if text.as_deref().is_some_and(|text| mark(text).is_none()) {
             let problem = "the value must be one character that is in no number or name";
-            add(
-                &[],
-                None,
-                key,
-                refuse_as::<()>("E0107", key, problem, remedy).err(),
-            );
+            let found = refuse_as::<()>("E0107", key, problem, remedy).err();
+            add(&[], None, key, found);
         }
     }
     for column in &map.columns {
         let channel = column.channel.as_str();
-        add(
-            &["columns", channel],
-            None,
-            channel,
-            resolve(column, units_row).err(),
-        );
+        let found = resolve(column, units_row).err();
+        add(&["columns", channel], None, channel, found);
     }
     if let Some(time) = &map.time {
         add(&["time"], None, "time", check_time(time).err());
     }
     for (k, attitude) in map.attitude.iter().enumerate() {
         let name = crate::full_name(&attitude.sensor, "attitude");
-        add(
-            &["attitude"],
-            Some(k),
-            &name,
-            check_attitude(attitude, units_row).err(),
-        );
+        let found = check_attitude(attitude, units_row).err();
+        add(&["attitude"], Some(k), &name, found);
     }
     if let Some(orbit) = &map.orbit {
         for (key, unit, dimension) in [
@@ -226,8 +208,13 @@ pub(crate) fn resolve(
             return refuse("", "there is no unit", remedy);
         }
         Some(unit) => {
-            let own = integral(name.dimension).filter(|_| map.increments);
-            Some(unit_of("unit", unit, own.unwrap_or(name.dimension))?)
+            let of_wheel = !name.subject.is_empty() && map.is_momentum();
+            let own = match (name.dimension, map.increments) {
+                (Dimension::AngularVelocity, false) if of_wheel => Dimension::AngularMomentum,
+                (rate, true) => integral(rate).unwrap_or(rate),
+                (usual, false) => usual,
+            };
+            Some(unit_of("unit", unit, own)?)
         }
     };
     Ok((name, unit))

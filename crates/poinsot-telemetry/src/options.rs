@@ -1,7 +1,7 @@
 //! Options of reading telemetry.
 
 use crate::{Mounting, Origin, TelemetryMap};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Options for the files of one segment.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -28,6 +28,8 @@ pub struct ReadOptions {
     pub memory_mib: usize,
     /// Sensors whose columns are in sensor axes; the table is in body axes.
     pub mountings: Vec<Mounting>,
+    /// Spin inertia of each wheel, kg m2, over which a momentum is its speed; `None`: no model is known, and momenta are left out.
+    pub spin_inertia: Option<BTreeMap<String, f64>>,
     /// Return an error if attitude and gyro contradict the declared conventions
     /// ([`check_conventions`](crate::check_conventions)).
     pub check_conventions: bool,

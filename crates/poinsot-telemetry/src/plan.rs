@@ -84,10 +84,8 @@ impl Plan {
 const MAX_COLUMNS: usize = 65_536;
 
 pub(crate) fn check_maps(options: &ReadOptions) -> Result<(), Faults> {
-    match map_faults(&options.map).into_iter().next() {
-        Some(fault) => Err(fault.into()),
-        None => Ok(()),
-    }
+    let mut faults = map_faults(&options.map).into_iter();
+    faults.next().map_or(Ok(()), |fault| Err(fault.into()))
 }
 
 /// A header with its units row, and the columns assigned so far.
@@ -95,6 +93,8 @@ struct Planner<'a> {
     path: &'a Path,
     header: &'a [String],
     units: Option<&'a [String]>,
+    options: &'a ReadOptions,
+    notes: Vec<String>,
     channels: Vec<PlannedChannel>,
     groups: Vec<Group>,
     choices: Vec<Choice>,
@@ -174,6 +174,25 @@ impl Planner<'_> {
         Ok(())
     }
 
+    /// The unit of a wheel's speed whose column is its momentum in this unit; `None` without a model.
+    fn speed_unit(&mut self, unit: Unit, name: &ChannelName) -> Result<Option<Unit>, Faults> {
+        let what = "the spin inertia of a wheel, over which a momentum is its speed, is not known";
+        let Some(known) = &self.options.spin_inertia else {
+            let note = format!("{}: not read: {what}; give --model", name.full());
+            self.notes.push(note);
+            return Ok(None);
+        };
+        let Some(spin_inertia) = known.get(&name.subject) else {
+            let advice = "name a wheel of the model whose spin inertia is not estimated";
+            return Err(self.fault(&name.full(), what.to_owned(), advice));
+        };
+        Ok(Some(Unit {
+            dimension: name.dimension,
+            divisor: unit.divisor * spin_inertia,
+            ..unit
+        }))
+    }
+
     /// Assigns one mapped column; returns the clock if it is the time.
     fn column(&mut self, map: &ColumnMap) -> Result<Option<(usize, Clock)>, Faults> {
         let Ok(choice) = self.choice(&map.rows) else {
@@ -191,6 +210,10 @@ impl Planner<'_> {
                 let advice = "write unit in [telemetry]";
                 self.fault(&map.channel, problem, advice)
             })?),
+            Some(unit) if map.is_momentum() => match self.speed_unit(unit, &name)? {
+                None => return Ok(None),
+                unit => unit,
+            },
             unit => unit,
         };
         if let (Dimension::Time, Some(unit)) = (name.dimension, unit) {
@@ -291,11 +314,7 @@ impl Planner<'_> {
             return Ok(());
         };
         let earth_fixed = orbit.frame == Some(OrbitFrame::EarthFixed);
-        let none = String::new;
-        let velocity = orbit
-            .velocity
-            .clone()
-            .unwrap_or_else(|| [none(), none(), none()]);
+        let velocity = orbit.velocity.clone().unwrap_or_default();
         let all = [
             ("orbit", &orbit.position, &orbit.unit),
             ("v", &velocity, &orbit.velocity_unit),
@@ -439,6 +458,8 @@ pub(crate) fn build(
         path,
         header,
         units,
+        options,
+        notes: Vec::new(),
         channels: Vec::new(),
         groups: Vec::new(),
         choices: Vec::new(),
@@ -457,6 +478,7 @@ pub(crate) fn build(
     let mapped = planner.channels.len();
     let ignored = planner.rest((&map, options), mapped, &mut time)?;
     let mut notes = planner.given_away(options);
+    notes.append(&mut planner.notes);
     let Some((time_index, mut clock)) = time else {
         return Err(no_time(path, header, map.layout.header_row));
     };

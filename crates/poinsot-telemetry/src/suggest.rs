@@ -45,6 +45,11 @@ mod tests {
             ("OBTS, sec", "time_s", "s"),
             ("timestamp [ns]", "time_s", "ns"),
             ("rw2 (rpm)", "wheel2_rad_s", "rpm"),
+            ("RW1_H_Nms", "wheel1_rad_s", "N m s"),
+            ("rw_momentum_3 [N m s]", "wheel3_rad_s", "N m s"),
+            ("whl2_mom_mN_m_s", "wheel2_rad_s", "mN m s"),
+            ("rw4_mNms", "wheel4_rad_s", "mN m s"),
+            ("wheel_h_x_N_m_s", "wheel_x_rad_s", "N m s"),
             ("qw", "q_w", "?"),
             ("wz_rad_s", "omega_z", "rad/s"),
             ("joint3 [deg]", "joint3_rad", "deg"),
@@ -58,6 +63,9 @@ mod tests {
             "wheel1_rad_s",
             "rw1_rad_s",
             "i_meas1",
+            "rw1_momentum",
+            "h_total_x_Nms",
+            "rw1_momentum_err_Nms",
             "",
         ] {
             assert_eq!(suggestion(column), None, "{column}");

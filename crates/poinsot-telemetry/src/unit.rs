@@ -30,6 +30,8 @@ pub enum Dimension {
     Torque,
     /// Linear impulse; SI `N s`.
     Impulse,
+    /// Angular momentum of a wheel, in place of its speed; SI `N m s`.
+    AngularMomentum,
 }
 
 impl Dimension {
@@ -53,6 +55,7 @@ impl Dimension {
             Self::Force => "force",
             Self::Torque => "torque",
             Self::Impulse => "impulse",
+            Self::AngularMomentum => "angular momentum",
         }
     }
 }
@@ -163,6 +166,8 @@ const TABLE: &[Row] = &[
     ("uN m", Dimension::Torque, 1.0, 1e6, &["uNm"]),
     ("N s", Dimension::Impulse, 1.0, 1.0, &["Ns"]),
     ("mN s", Dimension::Impulse, 1.0, 1e3, &["mNs"]),
+    ("N m s", Dimension::AngularMomentum, 1.0, 1.0, &["Nms", "kgm2/s"]),
+    ("mN m s", Dimension::AngularMomentum, 1.0, 1e3, &["mNms"]),
 ];
 
 /// Normalised spelling: without blanks, `^`, `*`, middle dots and one `.`; `²` is `2`, `µ` is `u`.

@@ -1,7 +1,8 @@
 //! The command `identify`: model and telemetry to mass properties.
 
 use crate::bind::{
-    Bound, RELATIVE_ACCURACY, acceleration_channels, bind, file_label, mountings, wanted_channels,
+    Bound, RELATIVE_ACCURACY, acceleration_channels, bind, file_label, mountings, spin_inertias,
+    wanted_channels,
 };
 use crate::error::{Error, check_accuracy, unknown};
 use crate::methods::{is_own, methods};
@@ -747,6 +748,7 @@ pub fn read_options(model: &Model, map: &TelemetryMap, strict: bool, recover: bo
         map: map.clone(),
         wanted: Some(wanted_channels(model)),
         mountings: mountings(model),
+        spin_inertia: Some(spin_inertias(model)),
         strict,
         recover,
         check_conventions: true,

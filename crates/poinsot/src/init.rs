@@ -95,8 +95,9 @@ struct Parts {
 impl Parts {
     fn of(survey: &Survey, robot: Option<&Model>) -> Self {
         let mut parts = Self::default();
-        let flags = survey.lines().filter(|line| line.lacks_value());
-        let flags = flags.map(|line| &line.key);
+        // Flags, and momenta of wheels, are no channels without a model.
+        let unread = |line: &&Line| line.lacks_value() || line.kind == Kind::WheelSpeed;
+        let flags = survey.lines().filter(unread).map(|line| &line.key);
         let read = survey.inspection.channels.iter().map(|c| &c.name);
         let channels: Vec<ChannelName> = read.chain(flags).filter_map(|c| classify(c)).collect();
         let is_joint = |channel: &ChannelName| {

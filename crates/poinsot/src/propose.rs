@@ -1,6 +1,6 @@
 //! The command `inspect`: what files hold, and a `[telemetry]` table for those without a map.
 
-use crate::bind::mountings;
+use crate::bind::{mountings, spin_inertias};
 use crate::channel_names;
 use crate::error::Error;
 use crate::identify::repair::Refusal;
@@ -43,6 +43,7 @@ pub fn inspect(
     let own_model = model.map(read_model).transpose()?;
     if let Some(model) = own_model {
         options.mountings = mountings(&model);
+        options.spin_inertia = Some(spin_inertias(&model));
         own = channel_names::of_parts(&model);
         options.map = model.telemetry;
     }

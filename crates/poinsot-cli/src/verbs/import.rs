@@ -9,6 +9,7 @@ pub fn run(arguments: &Import) -> Outcome {
     check_outputs("-o", arguments.out.as_slice(), &[&arguments.urdf])?;
     let options = UrdfOptions {
         allow_massless: arguments.allow_massless,
+        base: arguments.base.clone(),
     };
     let (model, text) = poinsot::import(&arguments.urdf, &options)?;
     match &arguments.out {

@@ -503,3 +503,22 @@ fn cli_init_lists_its_questions_and_keeps_files() {
         text(&without.stderr)
     );
 }
+
+/// A wheel whose momentum is exported: the draft asks for its spin inertia, and has the unit.
+#[test]
+fn cli_init_drafts_a_wheel_of_its_momentum() {
+    let folder = tempfile::tempdir().unwrap();
+    let csv = "t_s,wx_dps,wy_dps,wz_dps,RW1_H_Nms,RW2_momentum_N_m_s\n0,1,2,3,0.1,0.2\n1,1,2,3,0.2,0.1\n2,1,2,4,0.3,0.1\n";
+    std::fs::write(folder.path().join("a.csv"), csv).unwrap();
+    let inspected = text(&poinsot(folder.path(), &["inspect", "a.csv"]).stdout);
+    assert!(inspected.contains("wheel1_rad_s: not read: the spin inertia of a wheel, over which a momentum is its speed, is not known; give --model"), "{inspected}");
+    poinsot(folder.path(), &["init", "a.csv", "-o", "m.toml"]);
+    let draft = std::fs::read_to_string(folder.path().join("m.toml")).unwrap();
+    for part in [
+        "wheel1: spin inertia, kg m2 (momentum in N m s over speed in rad/s)",
+        "wheel1_rad_s = { column = \"RW1_H_Nms\", unit = \"N m s\" }",
+        "wheel2_rad_s = { column = \"RW2_momentum_N_m_s\", unit = \"N m s\" }",
+    ] {
+        assert!(draft.contains(part), "{part}: {draft}");
+    }
+}

@@ -179,3 +179,36 @@ fn cli_links_that_move_no_mass_are_fixed_on_demand() {
     assert!(model.contains("type = \"fixed\""), "{model}");
     good(&poinsot(folder.path(), &["check", "m.toml"]));
 }
+
+/// The link of the gyro is the base, and the sensor names no body.
+#[test]
+fn cli_the_link_of_a_sensor_becomes_the_base() {
+    let folder = tempfile::tempdir().unwrap();
+    let robot = r#"<robot name="r"><link name="bus"><inertial><mass value="20"/><inertia ixx="0.4" ixy="0" ixz="0" iyy="0.5" iyz="0" izz="0.6"/></inertial></link>
+        <link name="arm"><inertial><mass value="2"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link><link name="imu"/>
+        <joint name="elbow" type="revolute"><parent link="bus"/><child link="arm"/><axis xyz="0 0 1"/></joint>
+        <joint name="mount" type="fixed"><parent link="arm"/><child link="imu"/><origin xyz="0.1 0 0" rpy="0 0 1.5"/></joint></robot>"#;
+    std::fs::write(folder.path().join("r.urdf"), robot).unwrap();
+    let told = good(&poinsot(
+        folder.path(),
+        &["import", "r.urdf", "--base", "imu", "-o", "m.toml"],
+    ));
+    assert!(
+        told.contains("link \"elbow_frame\": no <inertial>: assumed massless"),
+        "{told}"
+    );
+    let model = std::fs::read_to_string(folder.path().join("m.toml")).unwrap();
+    let sensor = "\n[[sensor]]\nname = \"gyro\"\ntype = \"gyro\"\nnoise_rad_s = 1e-4\n";
+    std::fs::write(folder.path().join("m.toml"), model + sensor).unwrap();
+    let checked = poinsot(folder.path(), &["check", "m.toml"]);
+    good(&checked);
+    let said = String::from_utf8_lossy(&checked.stdout).into_owned();
+    assert!(said.contains("elbow"), "{said}");
+    let refused = poinsot(folder.path(), &["import", "r.urdf", "--base", "imo"]);
+    assert_eq!(refused.status.code(), Some(2));
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(
+        said.contains("--base: there is no link \"imo\"; did you mean \"imu\"?"),
+        "{said}"
+    );
+}

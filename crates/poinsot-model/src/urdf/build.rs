@@ -2,7 +2,7 @@
 
 use super::Remark;
 use super::inertial::rotation;
-use super::raw::{self, Kind, Robot};
+use super::raw::{self, Robot};
 use super::tree::Order;
 use crate::Environment;
 use crate::knowledge::{Knowledge, Origin};
@@ -33,22 +33,26 @@ pub(super) fn model(
         joint: order.carried_by[*k],
     };
     let joint = |j: &raw::Joint| {
-        let (kind, axis) = match j.kind {
-            Kind::Turns => (JointKind::Revolute, j.axis),
-            Kind::Slides => (JointKind::Prismatic, j.axis),
-            Kind::Fixed => (JointKind::Fixed, [0.0; 3]),
+        let axis = match j.kind {
+            JointKind::Fixed => [0.0; 3],
+            _ => j.axis,
         };
-        let straight = j.rpy == [0.0; 3];
+        let R = match j.rpy {
+            [0.0, 0.0, 0.0] => Matrix3::identity(),
+            rpy => rotation(rpy),
+        };
+        let p = Vector3::from(j.xyz);
+        let (R_PC_zero, p_PoCo_P) = match j.reversed {
+            true => (R.transpose(), R.transpose() * (Vector3::zeros() - p)),
+            false => (R, p),
+        };
         Some(Joint {
             name: j.name.clone(),
-            kind,
+            kind: j.kind,
             parent: *place.get(j.parent.as_str())?,
             child: *place.get(j.child.as_str())?,
-            p_PoCo_P: Vector3::from(j.xyz),
-            R_PC_zero: match straight {
-                true => Matrix3::identity(),
-                false => rotation(j.rpy),
-            },
+            p_PoCo_P,
+            R_PC_zero,
             axis_C: Vector3::from(axis),
             locked_at: None,
             spring_damper: None,

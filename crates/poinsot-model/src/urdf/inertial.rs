@@ -1,29 +1,17 @@
 //! Checks the mass properties of links and converts them to link axes.
 
 use super::Remark;
-use super::raw::{Inertial, Kind, Link, Robot};
+use super::raw::{Inertial, Link, Robot};
 use super::tree::Order;
 use crate::check_body::{PHYSICAL_TOLERANCE, SMALLEST_MASS};
+use crate::vehicle::JointKind;
 use poinsot_files::{excerpt, list, short};
-use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+use poinsot_spatial::{MassProperties, Matrix3, Rotation3, Vector3};
 use std::collections::HashMap;
 
 /// Fixed-axis roll, pitch, yaw: the rotation `Rz(yaw) Ry(pitch) Rx(roll)` from the frame to its parent.
 pub(crate) fn rotation([roll, pitch, yaw]: [f64; 3]) -> Matrix3 {
-    let (sr, cr) = roll.sin_cos();
-    let (sp, cp) = pitch.sin_cos();
-    let (sy, cy) = yaw.sin_cos();
-    Matrix3::new(
-        cy * cp,
-        cy * sp * sr - sy * cr,
-        cy * sp * cr + sy * sr,
-        sy * cp,
-        sy * sp * sr + cy * cr,
-        sy * sp * cr - cy * sr,
-        -sp,
-        cp * sr,
-        cp * cr,
-    )
+    Rotation3::from_euler_angles(roll, pitch, yaw).into_inner()
 }
 
 /// Mass properties of every link in its own frame; zero if it has none.
@@ -39,7 +27,7 @@ pub(super) fn check(
     if !remarks.iter().any(|r| r.code == Some("E0107")) {
         let moved = moving_without_mass(robot, order, &all, allow_massless, remarks);
         for joint in moved {
-            robot.joints[joint].kind = Kind::Fixed;
+            robot.joints[joint].kind = JointKind::Fixed;
         }
     }
     all
@@ -69,10 +57,8 @@ fn rounded(inertial: &Inertial) -> Inertial {
 
 fn one(link: &Link, remarks: &mut Vec<Remark>) -> MassProperties {
     let mut judge = Remarks { link, remarks };
-    let inertial = &link.inertial.as_ref().map(rounded);
-    let Some(inertial) = inertial else {
-        let problem = "no <inertial>: assumed massless".to_owned();
-        judge.push(None, problem, "");
+    let Some(inertial) = &link.inertial.as_ref().map(rounded) else {
+        judge.push(None, "no <inertial>: assumed massless".to_owned(), "");
         return MassProperties::ZERO;
     };
     if !judge.has_mass(inertial) {
@@ -234,11 +220,6 @@ fn named(link: &Link) -> String {
     format!("link \"{}\"", excerpt(&link.name, 60))
 }
 
-fn massless(byte: usize, problem: &str, remedy: &str) -> Remark {
-    let code = Some("E0116");
-    Remark::new(code, byte, problem, remedy)
-}
-
 /// Reports joints that move no mass: momentum does not depend on their rate.
 ///
 /// Where massless links are allowed, returns these joints: what they move has no effect.
@@ -267,14 +248,14 @@ fn moving_without_mass(
     }
     let whole = order.links.first().and_then(|k| carried.get(*k).copied());
     if whole == Some(0.0) {
-        let remark = massless(0, "no link has mass", "give the base a mass");
+        let remark = Remark::new(Some("E0116"), 0, "no link has mass", "give the base a mass");
         remarks.push(remark.on("robot"));
         return Vec::new();
     }
     let mut still = Vec::new();
     for &k in &order.links {
         let Some(joint) = joint_of(k) else { continue };
-        if joint.kind != Kind::Fixed && carried.get(k) == Some(&0.0) {
+        if joint.kind != JointKind::Fixed && carried.get(k) == Some(&0.0) {
             let Some(link) = robot.links.get(k) else {
                 continue;
             };
@@ -285,9 +266,8 @@ fn moving_without_mass(
             );
             let remedy =
                 "give it an <inertial>, make its joint fixed, or import it by --allow-massless";
-            let remark = massless(link.byte, &problem, remedy).on(named(link));
-            let code = remark.code.filter(|_| !allowed);
-            remarks.push(Remark { code, ..remark });
+            let code = (!allowed).then_some("E0116");
+            remarks.push(Remark::new(code, link.byte, problem, remedy).on(named(link)));
         }
     }
     still

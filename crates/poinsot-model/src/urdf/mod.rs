@@ -2,6 +2,7 @@
 //!
 //! No recursion over the file's content, no DTD, and files named in it are not opened.
 
+mod base;
 mod build;
 mod inertial;
 mod limits;
@@ -86,6 +87,8 @@ pub fn read_urdf(path: impl AsRef<Path>) -> Urdf {
 pub struct UrdfOptions {
     /// Links that move no mass are fixed to their parents, instead of refused.
     pub allow_massless: bool,
+    /// The link that is the base, with its frame; `None`: the link without parent.
+    pub base: Option<String>,
 }
 
 /// Reads a URDF file as [`read_urdf`] does, with options.
@@ -93,7 +96,7 @@ pub struct UrdfOptions {
 /// ```
 /// use poinsot_model::{UrdfOptions, read_urdf_with};
 ///
-/// let options = UrdfOptions { allow_massless: true };
+/// let options = UrdfOptions { allow_massless: true, ..UrdfOptions::default() };
 /// assert!(read_urdf_with("/nowhere/arm.urdf", &options).model.is_err());
 /// ```
 pub fn read_urdf_with(path: impl AsRef<Path>, options: &UrdfOptions) -> Urdf {
@@ -126,9 +129,11 @@ pub fn parse_urdf(text: &str, file: &str) -> Urdf {
 fn parsed(text: &str, file: &str, options: &UrdfOptions) -> Urdf {
     let mut remarks = Vec::new();
     let model = raw::read(text, &mut remarks).and_then(|mut robot| {
+        if let Some(link) = &options.base {
+            base::choose(&mut robot, link, &mut remarks);
+        }
         let order = tree::check(&robot, &mut remarks);
-        let massless = options.allow_massless;
-        let inertials = inertial::check(&mut robot, &order, massless, &mut remarks);
+        let inertials = inertial::check(&mut robot, &order, options.allow_massless, &mut remarks);
         build::model(&robot, &order, &inertials, &mut remarks)
     });
     let words = |r: &Remark| format!("{} {}", r.code.unwrap_or("note"), r.problem);

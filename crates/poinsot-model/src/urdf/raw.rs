@@ -4,6 +4,7 @@ use super::Remark;
 use super::limits::excess;
 use crate::check_name::misspelt;
 use crate::shape::LARGEST;
+use crate::vehicle::JointKind;
 use poinsot_files::excerpt;
 use roxmltree::{Document, Node, ParsingOptions};
 use std::collections::BTreeMap;
@@ -33,23 +34,18 @@ pub(super) struct Inertial {
     pub elements: [f64; 6],
 }
 
-/// Type of a joint.
-#[derive(Clone, Copy, PartialEq)]
-pub(super) enum Kind {
-    Turns,
-    Slides,
-    Fixed,
-}
-
+#[derive(Clone)]
 pub(super) struct Joint {
     pub name: String,
     pub byte: usize,
-    pub kind: Kind,
+    pub kind: JointKind,
     pub parent: String,
     pub child: String,
     pub xyz: [f64; 3],
     pub rpy: [f64; 3],
     pub axis: [f64; 3],
+    /// Whether the origin is that of the parent in the child.
+    pub reversed: bool,
 }
 
 /// Names of the elements of an inertia in the order of [`Inertial::elements`].
@@ -333,9 +329,9 @@ impl Reader<'_> {
         let byte = node.range().start;
         let word = node.attribute("type").unwrap_or_default();
         let kind = match word {
-            "revolute" | "continuous" => Some(Kind::Turns),
-            "prismatic" => Some(Kind::Slides),
-            "fixed" => Some(Kind::Fixed),
+            "revolute" | "continuous" => Some(JointKind::Revolute),
+            "prismatic" => Some(JointKind::Prismatic),
+            "fixed" => Some(JointKind::Fixed),
             _ => None,
         };
         if kind.is_none() {
@@ -367,7 +363,7 @@ impl Reader<'_> {
         };
         let (parent, child_name) = (end("parent"), end("child"));
         let (xyz, rpy) = self.origin(node, &subject).unwrap_or_default();
-        let kind = kind.unwrap_or(Kind::Fixed);
+        let kind = kind.unwrap_or(JointKind::Fixed);
         let axis = self.axis(node, &subject, kind).unwrap_or([1.0, 0.0, 0.0]);
         Some(Joint {
             name,
@@ -378,12 +374,13 @@ impl Reader<'_> {
             xyz,
             rpy,
             axis,
+            reversed: false,
         })
     }
 
     /// Unit axis of a moving joint; default x, as URDF defines.
-    fn axis(&mut self, node: Node<'_, '_>, subject: &str, kind: Kind) -> Option<[f64; 3]> {
-        if kind == Kind::Fixed {
+    fn axis(&mut self, node: Node<'_, '_>, subject: &str, kind: JointKind) -> Option<[f64; 3]> {
+        if kind == JointKind::Fixed {
             return None;
         }
         let Some(axis) = child(node, "axis") else {

@@ -170,8 +170,9 @@ fn found(column: usize, text: &str, below: Option<Unit>) -> Option<Found> {
         }
         suffix => format!("{}{}{suffix}", rule.stem, name.index),
     };
-    // A standard name stays, but for one such as wx_rad_s, which would be a wheel or a joint.
-    let stays = |own: &crate::ChannelName| !own.frame.is_empty() || rule.suffix != ".";
+    // A standard name stays, but for one such as wx_rad_s, which would be a wheel or a joint, or rw1_N_m_s, which would be a speed.
+    let is_scalar = rule.suffix != "." && !name.is_momentum();
+    let stays = |own: &crate::ChannelName| !own.frame.is_empty() || is_scalar;
     if classify(text).as_ref().is_some_and(stays) && channel != text {
         return None;
     }
@@ -196,13 +197,13 @@ fn axis(component: usize) -> &'static str {
         .unwrap_or_default()
 }
 
-/// A measurement comes first, then an estimate, then a command; of times the one with the fewest words, a letter last.
+/// A measurement comes first, then an estimate or a momentum in place of a speed, then a command; of times the one with the fewest words, a letter last.
 fn rank(name: &Name, kind: Kind) -> usize {
     let letter = usize::from(name.owner.concat().len() == 1);
     match kind {
         Kind::Time => 2 * name.owner.len() + letter,
         _ if name.has(Word::Command) => 2,
-        _ => usize::from(name.has(Word::Estimate)),
+        _ => usize::from(name.has(Word::Estimate) || name.is_momentum()),
     }
 }
 

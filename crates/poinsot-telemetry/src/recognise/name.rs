@@ -1,12 +1,12 @@
 //! A column name, split into its unit, its component and what its words say.
 
 use super::words::{Word, vocabulary};
-use crate::{Unit, parse_unit};
+use crate::{Dimension, Unit, parse_unit};
 
 /// Words of a turn about x, y, z.
 const TURNS: [Word; 3] = [Word::Roll, Word::Pitch, Word::Yaw];
 /// Most tokens of a unit.
-const UNIT_TOKENS: usize = 3;
+const UNIT_TOKENS: usize = 4;
 /// Longest token that is parted into words.
 const LONGEST: usize = 40;
 /// Shortest unit of one token that may be inside of a name and not only at its end.
@@ -51,6 +51,11 @@ impl Name {
         };
         name.read(&tokens);
         name
+    }
+
+    pub fn is_momentum(&self) -> bool {
+        let unit = self.unit.as_ref();
+        unit.is_some_and(|unit| unit.dimension == Dimension::AngularMomentum)
     }
 
     pub fn has(&self, word: Word) -> bool {
@@ -131,7 +136,10 @@ impl Name {
         let follows = before.is_some_and(|word| is_part(&word));
         let ends = k + 1 == tokens.len() && self.words.iter().any(is_part);
         let is_number = is_number(token);
-        let letter = matches!(token.as_bytes(), [b'a'..=b'h']) && (follows || ends);
+        // H is the sign of a momentum.
+        let last = if self.is_momentum() { b'g' } else { b'h' };
+        let is_letter = matches!(token.as_bytes(), [c] if (b'a'..=last).contains(c));
+        let letter = is_letter && (follows || ends);
         if self.index.is_empty() && (letter || (is_number && follows)) {
             self.index.clone_from(token);
         }

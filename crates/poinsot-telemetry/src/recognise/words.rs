@@ -13,7 +13,8 @@ use std::sync::OnceLock;
 #[rustfmt::skip]
 pub(super) enum Word {
     Time, Rate, Angular, Speed, Place, Torque, Force, Acceleration, Wheel, Joint, Thruster, Pulse, State, Quaternion, Attitude,
-    Rodrigues, Field, Sun, Roll, Pitch, Yaw, Command, Estimate, Plain, Other,
+    Rodrigues, Field, Sun, Roll, Pitch, Yaw, Momentum, Command, Estimate,
+    Plain, Other,
     // Not of one word: all words are known, there is none, there is an axis.
     Bare, Silent, Axis,
 }

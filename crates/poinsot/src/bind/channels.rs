@@ -10,7 +10,7 @@ use poinsot_model::{Axes, Joint, Model, SensorKind};
 use poinsot_spatial::{Matrix3, Vector3};
 use poinsot_telemetry::{Channel, ChannelName, Mounting, Table, classify};
 use std::borrow::Cow;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A table with the model to which it is bound, and its name for messages.
 #[derive(Clone, Copy)]
@@ -264,6 +264,18 @@ pub(super) fn joint_columns(joint: &Joint) -> [String; 2] {
     let position = position(joint);
     let rate = format!("{position}_s");
     [position, rate]
+}
+
+/// Spin inertia of each wheel that has a known one, kg m2, over which a momentum is its speed.
+///
+/// ```
+#[doc = include_str!("../../doc/case.txt")]
+/// assert!(bind::spin_inertias(&model).values().all(|inertia| *inertia > 0.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn spin_inertias(model: &Model) -> BTreeMap<String, f64> {
+    let known = model.wheels.iter().filter(|wheel| !wheel.estimate);
+    known.map(|w| (w.name.clone(), w.spin_inertia)).collect()
 }
 
 /// Mountings of all rotated sensors of the model.

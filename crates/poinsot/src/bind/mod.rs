@@ -16,7 +16,7 @@ mod observe;
 mod orbit;
 mod sensors;
 
-pub use channels::{mountings, wanted_channels};
+pub use channels::{mountings, spin_inertias, wanted_channels};
 pub(crate) use cut::cut_at;
 pub use motion::acceleration_channels;
 

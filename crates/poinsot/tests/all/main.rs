@@ -37,6 +37,7 @@ mod late_inputs;
 mod low_orbit;
 mod many_nuisances;
 mod many_sensors;
+mod map_keys;
 mod methods;
 mod mixed_up;
 mod motor_torque;

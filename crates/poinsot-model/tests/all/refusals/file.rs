@@ -1,6 +1,7 @@
 //! Refusals of the file as a whole, of momentum, environment and the telemetry table.
 
-use crate::refusals::Case;
+use crate::refusals::{Case, GOOD};
+use poinsot_model::{KnownNumber, parse_model};
 
 pub const CASES: &[Case] = &[
     (
@@ -83,3 +84,33 @@ telemetry.where = { log = 3 }"#,
         r#"E0107 m.toml:3:27: telemetry.where.log = 3: a number is here, but another type is needed; write text in quotes"#,
     ),
 ];
+
+/// A momentum is a speed only over a spin inertia that is known.
+#[test]
+fn unit_a_momentum_needs_a_wheel_whose_spin_inertia_is_known() {
+    let refused = |model: &str, channel: &str| {
+        let map =
+            format!("[telemetry.columns]\n{channel} = {{ column = \"H\", unit = \"N m s\" }}\n");
+        parse_model(&format!("{model}{map}"), "m.toml").map_err(|e| e.to_string())
+    };
+    let estimated = GOOD.replacen(
+        "spin_inertia_kg_m2 = 4.113e-4",
+        "spin_inertia_kg_m2 = 4.113e-4\nestimate = true",
+        1,
+    );
+    let error = refused(&estimated, "wheel1_rad_s").unwrap_err();
+    assert!(error.starts_with("E0212 m.toml:"), "{error}");
+    assert!(
+        error.ends_with("telemetry.columns.wheel1_rad_s.unit = \"N m s\": the speed is this momentum over a spin inertia, and no wheel has a known one; remove estimate = true of the wheel, or map a column of the speed"),
+        "{error}"
+    );
+    let error = refused(GOOD, "joint1_rad_s").unwrap_err();
+    assert!(error.contains("no wheel has a known one"), "{error}");
+    let known = |model: &poinsot_model::Model| {
+        model
+            .uncertain()
+            .any(|u| matches!(u.number, KnownNumber::SpinInertia(_)))
+    };
+    assert!(known(&parse_model(GOOD, "m.toml").unwrap()));
+    assert!(!known(&refused(GOOD, "wheel1_rad_s").unwrap()));
+}

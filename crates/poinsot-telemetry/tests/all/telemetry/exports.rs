@@ -1,6 +1,6 @@
 //! Files exported by ground stations: layout, times, units row, compression.
 
-use crate::telemetry::{Folder, read_text};
+use crate::telemetry::{Folder, assert_told, read_text};
 use poinsot_telemetry::{
     AttitudeColumn, AttitudeMap, ColumnMap, FileMap, Layout, NamedMap, OrbitFrame, OrbitMap, Order,
     Overlap, ReadOptions, Scale, Sense, TelemetryMap, TimeFormat, TimeMap, read,
@@ -450,4 +450,45 @@ fn exact_late_times_and_rates_in_inertial_axes() {
         error.starts_with("E0212") && error.contains("inertial_rates"),
         "{error}"
     );
+}
+
+/// Of 0.4 N m s a wheel of 0.05 kg m2 has 8 rad/s; without a model it has no speed.
+#[test]
+fn exact_a_momentum_is_a_speed_by_the_spin_inertia() {
+    let column = ColumnMap {
+        sign: Some(-1.0),
+        offset: Some(100.0),
+        invalid: vec!["-999".to_owned()],
+        ..ColumnMap::new("rw1_rad_s", "H1", "mN m s")
+    };
+    let mut options = of(FileMap {
+        columns: vec![column],
+        ..FileMap::default()
+    });
+    let text = "time_s,H1,rw2_rad_s\n0,300,1\n1,-999,2\n2,-600,3\n";
+    let table = read_text(text, &options).unwrap();
+    assert!(table.channel("rw1_rad_s").is_none() && table.channel("rw2_rad_s").is_some());
+    let told = table.repairs.join("\n");
+    assert!(
+        told.contains(
+            "rw1_rad_s: not read: the spin inertia of a wheel, over which a momentum is its speed, is not known; give --model"
+        ),
+        "{told}"
+    );
+    options.spin_inertia = Some([("rw1".to_owned(), 0.05)].into());
+    let table = read_text(text, &options).unwrap();
+    let speed = table.channel("rw1_rad_s").unwrap();
+    assert_eq!(*speed.time_s, [0.0, 2.0]);
+    let off = speed.values.iter().zip([-8.0, 10.0]).map(|(a, b)| a - b);
+    assert!(off.fold(0.0, |m: f64, x| m.max(x.abs())) < 1e-14);
+    options.spin_inertia = Some([("rw2".to_owned(), 0.05)].into());
+    assert_told(
+        &read_text(text, &options).unwrap_err(),
+        "E0212 map of channel 'rw1_rad_s'",
+        "is not known; name a wheel of the model whose spin inertia is not estimated",
+    );
+    let torque = ColumnMap::new("rw1_Nm", "H1", "N m s");
+    let fault =
+        poinsot_telemetry::map_faults(&TelemetryMap::of(vec![torque], Vec::new())).remove(0);
+    assert_eq!(fault.problem, "unit 'N m s' does not measure it");
 }

@@ -2,6 +2,7 @@
 //! (docs/validation/pyramid.md).
 
 mod satellite;
+mod total_momentum;
 
 use nalgebra::{DMatrix, DVector};
 use poinsot::bind::bind;
