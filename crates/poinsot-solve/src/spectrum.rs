@@ -190,13 +190,8 @@ impl Spectrum {
     /// With intervals along the directions that keep their nominal values that reach to where the data would move them: sigma times
     /// `interval` is at least that far. `R` and `rhs` are those of the least squares at the answer.
     pub fn reaching(mut self, R: &Mat<f64>, rhs: &[f64], interval: f64) -> Self {
-        let n = self.natural.len();
-        let row = |i: usize, k: usize| -> f64 {
-            let along = |j: usize| R[(i, j)] * self.natural[j] * self.directions[(j, k)];
-            (0..n).map(along).sum()
-        };
         let pull = |k: usize| {
-            let image: Vec<f64> = (0..n).map(|i| row(i, k)).collect();
+            let image = self.image(R, k);
             let along: f64 = image.iter().zip(rhs).map(|(a, b)| a * b).sum();
             (along / norm(&image)).abs()
         };
@@ -212,6 +207,28 @@ impl Spectrum {
                 .for_each(|(s, w)| *s /= w);
         }
         self
+    }
+
+    /// What a step along direction k, natural units, does to the rows of a triangle.
+    fn image(&self, R: &Mat<f64>, k: usize) -> Vec<f64> {
+        let n = self.natural.len();
+        let along = |i: usize, j: usize| R[(i, j)] * self.natural[j] * self.directions[(j, k)];
+        (0..n).map(|i| (0..n).map(|j| along(i, j)).sum()).collect()
+    }
+
+    /// One sigma of every direction, in the unknowns' units, and how far the data would move it, in sigmas, were those that keep their
+    /// nominal values known to a natural unit. `R` and `rhs` are those of the least squares at the answer.
+    pub fn loosened(&self, R: &Mat<f64>, rhs: &[f64]) -> Vec<(Vec<f64>, f64)> {
+        let of = |k: usize| {
+            let image = self.image(R, k);
+            let held = if k < self.rank { 0.0 } else { 1.0 };
+            let sigma = 1.0 / (held + norm(&image).powi(2)).sqrt();
+            let pull: f64 = image.iter().zip(rhs).map(|(a, b)| a * b).sum();
+            let along = |(j, unit): (usize, &f64)| self.directions[(j, k)] * unit * sigma;
+            let natural = self.natural.iter().enumerate();
+            (natural.map(along).collect(), pull * sigma * held)
+        };
+        (0..self.natural.len()).map(of).collect()
     }
 
     /// What the experiment allows: itself, save for an estimator within it.

@@ -10,9 +10,10 @@ mod effects;
 
 pub(crate) use effects::{Effects, shifts};
 
-use crate::fit::degrees_of_freedom::{fitted_numbers, known_covariance};
+use crate::fit::degrees_of_freedom::fitted_numbers;
 use crate::fit::experiment::{DIFFERENCE, Experiment, Iterate, body_slopes, slopes};
 use crate::fit::search::search;
+use crate::fit::triangle::ConditionalEstimate;
 use crate::fit::{Fitted, ITERATIONS, fit_from};
 use crate::problem::Problem;
 use crate::problem::parameters::{KnownUnknown, Parameters, Unknown, UnknownKind};
@@ -274,13 +275,24 @@ struct Pull {
 }
 
 impl Pull {
-    /// `weights` is the inverse of the declared covariance.
+    /// `weights` is the inverse of the declared covariance. What the fit leaves at nominal values may be off by them.
     fn new(parameters: &Parameters, fitted: &Fitted, weights: &DMatrix<f64>) -> Self {
-        let posterior = known_covariance(parameters, fitted);
         let change = |k: &usize| fitted.at.x[*k] - parameters.unknowns[*k].nominal;
         let places = parameters.known_places();
-        let changes = places.iter().map(change);
-        let score = weights * DVector::from_iterator(weights.nrows(), changes);
+        let mut changes = DVector::from_iterator(weights.nrows(), places.iter().map(change));
+        let shared = &fitted.shared;
+        let ConditionalEstimate {
+            slope, covariance, ..
+        } = shared.nuisance_estimate(&fitted.at.x);
+        let at: Vec<usize> = places.iter().map(|place| place - shared.mass).collect();
+        let mut posterior = covariance.select_rows(&at).select_columns(&at);
+        for (direction, pull) in fitted.spectrum.loosened(&shared.block(), &shared.rhs()) {
+            let along = |k: &usize| slope[*k].iter().zip(&direction).map(|(a, b)| a * b).sum();
+            let own = DVector::from_iterator(at.len(), at.iter().map(along));
+            posterior += &own * own.transpose();
+            changes += own * pull;
+        }
+        let score = weights * changes;
         Self {
             known: weights - weights * &posterior * weights,
             square: score.dot(&(posterior * &score)),
