@@ -6,9 +6,9 @@
 //! variance `s^2`, has a residual of variance `1 - s^2` (a smoothed innovation, Kalman 1960).
 
 use crate::diagnosis::{Diagnostics, FaultKind, Finding, diagnose};
-use crate::fit::degrees_of_freedom::fitted_numbers;
+use crate::fit::degrees_of_freedom::{Loosened, fitted_numbers};
 use crate::fit::experiment::Experiment;
-use crate::fit::triangle::{ConditionalEstimate, SharedTriangle};
+use crate::fit::triangle::SharedTriangle;
 use crate::fit::{Fitted, ITERATIONS, fit_from};
 use crate::problem::Problem;
 use crate::problem::prior::{self, Conflict, Declared, LEAST_SHARE, PriorRow, PriorTest};
@@ -193,35 +193,21 @@ fn calibrations(experiment: &Experiment, fitted: &Fitted) -> Vec<Discrepancy> {
     if rows.iter().all(|r| r.about.is_none()) {
         return Vec::new();
     }
-    let conditional = fitted.shared.nuisance_estimate(x);
+    let loosened = Loosened::new(fitted);
     let apart = |row: PriorRow| {
         let declared = row.about?;
         let at = row.gradient.iter().position(|g| *g != 0.0)?;
-        let known = variance(fitted, &conditional, at)? / (declared.sigma * declared.sigma);
+        let known = loosened.covariance(at, at) / (declared.sigma * declared.sigma);
         let left = (1.0 - known).max(LEAST_SHARE);
-        let z = row.residual / left.sqrt();
+        let residual = row.residual - row.gradient[at] * loosened.moved(at);
+        let z = residual / left.sqrt();
         // The answer without the declared number.
         Some(Discrepancy {
-            value: declared.nominal - row.residual * declared.sigma / left,
+            value: declared.nominal - residual * declared.sigma / left,
             sigma: declared.sigma * (known / left).max(0.0).sqrt(),
             declared,
             z,
         })
     };
     rows.into_iter().filter_map(apart).collect()
-}
-
-/// Variance of one unknown in the answer, its own declared sigma included.
-fn variance(fitted: &Fitted, conditional: &ConditionalEstimate, at: usize) -> Option<f64> {
-    let mass = fitted.shared.mass;
-    let mut unit = vec![0.0; mass];
-    let (slope, own) = match at.checked_sub(mass) {
-        Some(k) => (conditional.slope.get(k)?, conditional.covariance[(k, k)]),
-        None => {
-            unit[at] = 1.0;
-            (&unit, 0.0)
-        }
-    };
-    let carried = fitted.spectrum.sigma(slope)?;
-    Some(carried * carried + own)
 }

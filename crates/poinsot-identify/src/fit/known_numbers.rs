@@ -10,10 +10,9 @@ mod effects;
 
 pub(crate) use effects::{Effects, shifts};
 
-use crate::fit::degrees_of_freedom::fitted_numbers;
+use crate::fit::degrees_of_freedom::{Loosened, fitted_numbers};
 use crate::fit::experiment::{DIFFERENCE, Experiment, Iterate, body_slopes, slopes};
 use crate::fit::search::search;
-use crate::fit::triangle::ConditionalEstimate;
 use crate::fit::{Fitted, ITERATIONS, fit_from};
 use crate::problem::Problem;
 use crate::problem::parameters::{KnownUnknown, Parameters, Unknown, UnknownKind};
@@ -277,21 +276,13 @@ struct Pull {
 impl Pull {
     /// `weights` is the inverse of the declared covariance. What the fit leaves at nominal values may be off by them.
     fn new(parameters: &Parameters, fitted: &Fitted, weights: &DMatrix<f64>) -> Self {
-        let change = |k: &usize| fitted.at.x[*k] - parameters.unknowns[*k].nominal;
-        let places = parameters.known_places();
-        let mut changes = DVector::from_iterator(weights.nrows(), places.iter().map(change));
-        let shared = &fitted.shared;
-        let ConditionalEstimate {
-            slope, covariance, ..
-        } = shared.nuisance_estimate(&fitted.at.x);
-        let at: Vec<usize> = places.iter().map(|place| place - shared.mass).collect();
-        let mut posterior = covariance.select_rows(&at).select_columns(&at);
-        for (direction, pull) in fitted.spectrum.loosened(&shared.block(), &shared.rhs()) {
-            let along = |k: &usize| slope[*k].iter().zip(&direction).map(|(a, b)| a * b).sum();
-            let own = DVector::from_iterator(at.len(), at.iter().map(along));
-            posterior += &own * own.transpose();
-            changes += own * pull;
-        }
+        let (loosened, places) = (Loosened::new(fitted), parameters.known_places());
+        let count = places.len();
+        let change =
+            |k: &usize| fitted.at.x[*k] + loosened.moved(*k) - parameters.unknowns[*k].nominal;
+        let changes = DVector::from_iterator(count, places.iter().map(change));
+        let covariance = |i, j| loosened.covariance(places[i], places[j]);
+        let posterior = DMatrix::from_fn(count, count, covariance);
         let score = weights * changes;
         Self {
             known: weights - weights * &posterior * weights,
