@@ -35,10 +35,7 @@ pub(crate) fn sentence(e: &EstimateFile) -> String {
                 )
             }
         }
-        "iteration_limit" => format!(
-            "The fit did not converge within {}.",
-            counted(e.iterations, "iteration", "iterations")
-        ),
+        "iteration_limit" => "No fit of the whole record converged.".to_owned(),
         other => format!("Status {other}."),
     }
 }
