@@ -192,8 +192,7 @@ impl Spectrum {
     pub fn reaching(mut self, R: &Mat<f64>, rhs: &[f64], interval: f64) -> Self {
         let pull = |k: usize| {
             let image = self.image(R, k);
-            let along: f64 = image.iter().zip(rhs).map(|(a, b)| a * b).sum();
-            (along / norm(&image)).abs()
+            (dot(&image, rhs) / norm(&image)).abs()
         };
         let wider: Vec<f64> = (self.rank..self.told)
             .map(|k| (pull(k) / interval).max(1.0))
@@ -223,10 +222,12 @@ impl Spectrum {
             let image = self.image(R, k);
             let held = if k < self.rank { 0.0 } else { 1.0 };
             let sigma = 1.0 / (held + norm(&image).powi(2)).sqrt();
-            let pull: f64 = image.iter().zip(rhs).map(|(a, b)| a * b).sum();
             let along = |(j, unit): (usize, &f64)| self.directions[(j, k)] * unit * sigma;
             let natural = self.natural.iter().enumerate();
-            (natural.map(along).collect(), pull * sigma * held)
+            (
+                natural.map(along).collect(),
+                dot(&image, rhs) * sigma * held,
+            )
         };
         (0..self.natural.len()).map(of).collect()
     }
@@ -513,6 +514,10 @@ fn quadratic(m: &Mat<f64>, v: &Mat<f64>, k: usize) -> f64 {
         .sum()
 }
 
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
 fn norm(v: &[f64]) -> f64 {
-    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+    dot(v, v).sqrt()
 }

@@ -197,7 +197,7 @@ fn calibrations(experiment: &Experiment, fitted: &Fitted) -> Vec<Discrepancy> {
     let apart = |row: PriorRow| {
         let declared = row.about?;
         let at = row.gradient.iter().position(|g| *g != 0.0)?;
-        let known = loosened.covariance(at, at) / (declared.sigma * declared.sigma);
+        let known = loosened.covariance(&[at])[(0, 0)] / (declared.sigma * declared.sigma);
         let left = (1.0 - known).max(LEAST_SHARE);
         let residual = row.residual - row.gradient[at] * loosened.moved(at);
         let z = residual / left.sqrt();

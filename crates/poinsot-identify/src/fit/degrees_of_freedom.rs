@@ -19,23 +19,13 @@ pub(crate) fn fitted_numbers(experiment: &Experiment, fitted: &Fitted) -> usize 
         + of_known.round() as usize
 }
 
-/// Covariance of the known numbers among the unknowns after the data, in their order.
-pub(crate) fn known_covariance(parameters: &Parameters, fitted: &Fitted) -> DMatrix<f64> {
-    let mass = fitted.shared.mass;
-    let conditional = fitted.shared.nuisance_estimate(&fitted.at.x);
-    let c = fitted.spectrum.covariance();
-    let places: Vec<usize> = parameters.known_places().iter().map(|p| p - mass).collect();
-    let count = places.len();
-    let slope = DMatrix::from_fn(count, mass, |i, j| conditional.slope[places[i]][j]);
-    let c = DMatrix::from_fn(mass, mass, |i, j| c[(i, j)]);
-    let own = |i: usize, j: usize| conditional.covariance[(places[i], places[j])];
-    &slope * c * slope.transpose() + DMatrix::from_fn(count, count, own)
-}
-
 /// Covariance of unknowns after the data, and how far they would move, were the directions that the fit leaves at nominal values known
 /// to a natural unit: those are off by as much, and pull what has a prior with them.
 pub(crate) struct Loosened {
-    directions: Vec<(Vec<f64>, f64)>,
+    /// One sigma of each direction.
+    directions: Vec<Vec<f64>>,
+    /// How far the data would move each, sigmas.
+    pulls: DVector<f64>,
     conditional: ConditionalEstimate,
     mass: usize,
 }
@@ -43,8 +33,11 @@ pub(crate) struct Loosened {
 impl Loosened {
     pub fn new(fitted: &Fitted) -> Self {
         let shared = &fitted.shared;
+        let loosened = fitted.spectrum.loosened(&shared.block(), &shared.rhs());
+        let (directions, pulls): (_, Vec<f64>) = loosened.into_iter().unzip();
         Self {
-            directions: fitted.spectrum.loosened(&shared.block(), &shared.rhs()),
+            directions,
+            pulls: pulls.into(),
             conditional: shared.nuisance_estimate(&fitted.at.x),
             mass: shared.mass,
         }
@@ -52,8 +45,11 @@ impl Loosened {
 
     /// Change of an unknown by a sigma of every direction.
     fn along(&self, at: usize) -> DVector<f64> {
-        let of = |(direction, _): &(Vec<f64>, f64)| match at.checked_sub(self.mass) {
-            Some(k) => dot(&self.conditional.slope[k], direction),
+        let of = |direction: &Vec<f64>| match at.checked_sub(self.mass) {
+            Some(k) => {
+                let slope = self.conditional.slope[k].iter();
+                slope.zip(direction).map(|(a, b)| a * b).sum()
+            }
             None => direction[at],
         };
         DVector::from_iterator(self.directions.len(), self.directions.iter().map(of))
@@ -61,21 +57,20 @@ impl Loosened {
 
     /// How far an unknown would move.
     pub fn moved(&self, at: usize) -> f64 {
-        let pulls = self.directions.iter().map(|(_, pull)| *pull);
-        let along = self.along(at);
-        along.iter().zip(pulls).map(|(a, pull)| a * pull).sum()
+        self.along(at).dot(&self.pulls)
     }
 
-    /// Covariance of two unknowns.
-    pub fn covariance(&self, i: usize, j: usize) -> f64 {
-        let both = i.checked_sub(self.mass).zip(j.checked_sub(self.mass));
-        let own = both.map_or(0.0, |at| self.conditional.covariance[at]);
-        own + self.along(i).dot(&self.along(j))
+    /// Covariance of these unknowns.
+    pub fn covariance(&self, places: &[usize]) -> DMatrix<f64> {
+        let along: Vec<DVector<f64>> = places.iter().map(|at| self.along(*at)).collect();
+        let nuisance = |k: usize| places[k].checked_sub(self.mass);
+        let own = |i: usize, j: usize| {
+            let both = nuisance(i).zip(nuisance(j));
+            both.map_or(0.0, |at| self.conditional.covariance[at])
+        };
+        let count = places.len();
+        DMatrix::from_fn(count, count, |i, j| own(i, j) + along[i].dot(&along[j]))
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Number of known numbers determined by the data: their count minus the share of each prior.
@@ -83,6 +78,7 @@ fn determined(parameters: &Parameters, fitted: &Fitted) -> f64 {
     let declared = parameters.known_covariance();
     let n = declared.nrows();
     let inverse = declared.cholesky().map(|c| c.inverse());
-    let held = inverse.map(|inverse| (inverse * known_covariance(parameters, fitted)).trace());
+    let covariance = || Loosened::new(fitted).covariance(&parameters.known_places());
+    let held = inverse.map(|inverse| (inverse * covariance()).trace());
     n as f64 - held.unwrap_or(n as f64)
 }

@@ -277,12 +277,10 @@ impl Pull {
     /// `weights` is the inverse of the declared covariance. What the fit leaves at nominal values may be off by them.
     fn new(parameters: &Parameters, fitted: &Fitted, weights: &DMatrix<f64>) -> Self {
         let (loosened, places) = (Loosened::new(fitted), parameters.known_places());
-        let count = places.len();
         let change =
             |k: &usize| fitted.at.x[*k] + loosened.moved(*k) - parameters.unknowns[*k].nominal;
-        let changes = DVector::from_iterator(count, places.iter().map(change));
-        let covariance = |i, j| loosened.covariance(places[i], places[j]);
-        let posterior = DMatrix::from_fn(count, count, covariance);
+        let changes = DVector::from_iterator(places.len(), places.iter().map(change));
+        let posterior = loosened.covariance(&places);
         let score = weights * changes;
         Self {
             known: weights - weights * &posterior * weights,

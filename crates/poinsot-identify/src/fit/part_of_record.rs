@@ -21,6 +21,9 @@ pub(crate) fn thinned(segment: &Segment, few: usize) -> Option<Segment> {
 pub(crate) fn beginning(segment: &Segment, share: f64) -> Segment {
     let times = segment.observations.time_s.len();
     let first = ((times as f64 * share).ceil() as usize).clamp(2.min(times), times);
+    if first == times {
+        return segment.clone();
+    }
     let kept: Vec<usize> = (0..first).collect();
     Segment {
         // Start of a fit.

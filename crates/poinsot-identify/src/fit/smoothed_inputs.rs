@@ -112,11 +112,9 @@ pub(super) fn smoothed(
     };
     recorded.smooth_inputs = true;
     let evaluated = recorded.evaluate(at, false)?;
-    let begun = evaluated.into_iter().map(|e| e.smoothed);
-    let whole = segments.iter().zip(begun);
-    whole
-        .map(|(s, begun)| Some(s.about_inputs_of(&begun?)))
-        .collect()
+    let whole = segments.iter().zip(evaluated);
+    let about = whole.map(|(s, begun)| Some(s.about_inputs_of(&begun.smoothed?)));
+    about.collect()
 }
 
 /// Largest bias of a number of the answer, sigmas: `|C^(1/2) b|`.

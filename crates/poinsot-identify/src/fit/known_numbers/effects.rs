@@ -1,7 +1,7 @@
 //! Effect of the known numbers on an answer: its sigma without them, and its change with each.
 
 use crate::fit::Fitted;
-use crate::fit::degrees_of_freedom::known_covariance;
+use crate::fit::degrees_of_freedom::Loosened;
 use crate::fit::experiment::Experiment;
 use crate::fit::triangle::SharedTriangle;
 use nalgebra::DMatrix;
@@ -41,7 +41,7 @@ impl Effects {
         let declared = parameters.known_covariance();
         Ok(Some(Self {
             shift,
-            covariance: known_covariance(parameters, fitted),
+            covariance: Loosened::new(fitted).covariance(&places),
             declared: (0..places.len()).map(|k| declared[(k, k)].sqrt()).collect(),
             exact,
             places,
