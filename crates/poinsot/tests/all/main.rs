@@ -55,6 +55,7 @@ mod random_torque;
 mod real_data;
 mod remedies;
 mod report;
+mod reported;
 mod reported_fits;
 mod reported_inputs;
 mod scalar_errors;

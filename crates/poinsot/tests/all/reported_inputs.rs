@@ -1,53 +1,8 @@
 //! Records of public bug reports, rebuilt by programs that share nothing with this one: what is missing is refused by name, and what
 //! is written in another form is read. Each answer is compared with the vehicle that made the record.
 
-use poinsot::{Identified, IdentifyRequest, identify};
-use std::path::{Path, PathBuf};
-
-/// Largest distance of a number from the truth, sigmas.
-const AGREES: f64 = 4.0;
-
-/// A record with its model, changed by these replacements and lines.
-struct Record {
-    folder: tempfile::TempDir,
-    name: &'static str,
-}
-
-impl Record {
-    fn new(name: &'static str, replaced: &[(&str, &str)], more: &str) -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        let mut text = std::fs::read_to_string(Self::file(name, "model.toml")).unwrap();
-        for (old, new) in replaced {
-            assert!(text.contains(old), "{name} has no {old}");
-            text = text.replace(old, new);
-        }
-        std::fs::write(folder.path().join("model.toml"), text + more).unwrap();
-        Self { folder, name }
-    }
-
-    fn file(name: &str, file: &str) -> PathBuf {
-        let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/reports");
-        data.join(name).join(file)
-    }
-
-    fn request(&self) -> IdentifyRequest {
-        let files = ["telemetry.csv.zst", "pulses.csv"].map(|f| Self::file(self.name, f));
-        let mut request = IdentifyRequest::new(self.folder.path().join("model.toml"), [""]);
-        request.segments = vec![files.into_iter().filter(|f| f.exists()).collect()];
-        request
-    }
-
-    fn answer(&self) -> Identified {
-        identify(&self.request()).unwrap_or_else(|error| panic!("{}: {error}", self.name))
-    }
-
-    fn refusal(&self) -> String {
-        match identify(&self.request()) {
-            Ok(_) => panic!("{} is not refused", self.name),
-            Err(error) => error.to_string(),
-        }
-    }
-}
+use crate::reported::{AGREES, Record};
+use poinsot::{Identified, identify};
 
 /// Mass, mass centre and inertia (xx, xy, yy, xz, yz, zz) of the tool of the four-joint arm.
 const TOOL: [f64; 10] = [
