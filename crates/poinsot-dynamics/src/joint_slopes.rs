@@ -101,6 +101,12 @@ impl JointSlopes {
         self.fill_over(tree, bodies, kinematics, (spin_inertia, wheel_speed));
     }
 
+    /// A body with all that it carries, about `Bo`, and the momentum of that, at the state of the last [`JointSlopes::fill`].
+    pub(crate) fn carried(&self, body: usize) -> (Inertial<f64>, Vector6<f64>) {
+        let whole = &self.subtrees[body];
+        (whole.body, stack(&whole.l, &whole.h))
+    }
+
     /// Slopes over a motion at the state of the last [`JointSlopes::fill`].
     pub fn along(&self, kinematics: &Kinematics, motion: &SubtreeMotion) -> JointSlope {
         let axis = V3::of(&motion.axis_B(kinematics));

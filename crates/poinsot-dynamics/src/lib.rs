@@ -65,7 +65,7 @@
 //!   measurements. `integrate.rs`: what integrators share. `dop853.rs`, `dop853_table.rs`: eighth order with step control and
 //!   dense output. `runge_kutta.rs`: fixed steps of fourth order. `run.rs`: motion through the requested times, `times.rs`. `thrust.rs`: thrusters.
 //! - `propagation/`: state of pose and momentum, the vehicle with locked joints, rows of the linearised equations, columns
-//!   over a step (`columns.rs`: several side by side), whole steps; `modes.rs`: flexible modes beside them. `quaternion.rs`: rotations over one number or several.
+//!   over a step (`columns.rs`: several side by side), whole steps; `modes.rs`: flexible modes beside them, `hinges.rs`: passive joints. `quaternion.rs`: rotations over one number or several.
 //! - `measurement.rs`, `measurement/`: ideal sensors with derivatives, one file a kind. `sensors.rs`: simulated sensors.
 //!   `sensor_errors.rs`: model of sensor errors.
 //! - `orbit.rs`, `gravity_gradient.rs`: orbit and gravity gradient.
@@ -104,6 +104,7 @@ mod sensor;
 mod sensor_errors;
 #[cfg(feature = "std")]
 mod sensors;
+mod spring;
 mod symmetric;
 mod thrust;
 mod tree;
@@ -138,6 +139,7 @@ pub use sensor::{Axes, ErrorKey, Nuisance, Sensor, SensorKind, SlowError, printe
 pub use sensor_errors::{SensorError, SensorErrors};
 #[cfg(feature = "std")]
 pub use sensors::{Instrument, vector_reading};
+pub use spring::SpringDamper;
 pub use thrust::{Firing, Nozzle, SAME_TIME, thrust_held, thrust_levels, thrust_wrench};
 pub use tree::{Link, Motion, Rotor, Tree};
 pub use vehicle::{Gravity, Vehicle};

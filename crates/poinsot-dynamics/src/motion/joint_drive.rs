@@ -2,6 +2,7 @@
 
 use crate::motion::joint_motion::JointMotion;
 use crate::motion::piecewise::PiecewisePolynomial;
+use crate::spring::SpringDamper;
 
 /// Force of a motor along its joint axis as a function of time: N m (revolute) or N (prismatic).
 #[derive(Debug, Clone, PartialEq)]
@@ -44,30 +45,6 @@ impl ForceProfile {
             Self::Nodes(nodes) => nodes.nodes(),
             Self::Sine { .. } => &[],
         }
-    }
-}
-
-/// A linear spring and damper beside the motor: `-stiffness (q - rest) - damping q'`. The default has neither.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct SpringDamper {
-    /// N m/rad or N/m.
-    pub stiffness: f64,
-    /// Position without force, rad or m.
-    pub rest: f64,
-    /// N m s/rad or N s/m.
-    pub damping: f64,
-}
-
-impl SpringDamper {
-    /// Force on the joint at position `q` (rad or m) and rate (rad/s or m/s): N m or N.
-    #[inline]
-    pub fn force(&self, q: f64, rate: f64) -> f64 {
-        -self.stiffness * (q - self.rest) - self.damping * rate
-    }
-
-    /// Energy in the spring, J.
-    pub fn energy(&self, q: f64) -> f64 {
-        0.5 * self.stiffness * (q - self.rest) * (q - self.rest)
     }
 }
 

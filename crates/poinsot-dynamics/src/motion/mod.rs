@@ -25,7 +25,7 @@ pub use controller::WheelUse;
 pub use dop853::DormandPrince8;
 pub use flight::{Flight, MotionError};
 pub use integrate::{Flow, Halt, Tolerance};
-pub use joint_drive::{ForceProfile, JointDrive, SpringDamper};
+pub use joint_drive::{ForceProfile, JointDrive};
 pub use joint_motion::{Fourier, JointMotion};
 pub use piecewise::{Jet, NodeError, PiecewisePolynomial};
 pub use plan::{Plan, SmoothIntervals, Start, StartVelocity};

@@ -18,6 +18,7 @@
 mod carry;
 #[cfg(feature = "std")]
 mod columns;
+mod hinges;
 mod locked;
 mod modes;
 mod rows;
@@ -27,10 +28,11 @@ mod vehicle;
 pub use carry::StepRows;
 #[cfg(feature = "std")]
 pub use columns::ColumnDrives;
+pub use hinges::{HeldChange, Hinge, PassiveJoint, PassiveJoints};
 pub use locked::{BaseMotion, LockedVehicle, MassCentre};
 pub use modes::{
     BodyChange, Flexibility, FlexibleChange, FlexibleMotion, FlexibleRate, FlexibleState, INTERNAL,
-    Internal, MOST_MODES, Mode, ModeNumber, ModeRows, PerMode,
+    Internal, MOST_MODES, Mode, ModeNumber, ModeRows, OneBody, PerMode, SpringNumber,
 };
 pub use rows::{Matrix6x12, StateRows, pose_change};
 pub use state::{

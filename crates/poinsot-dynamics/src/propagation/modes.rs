@@ -12,22 +12,28 @@
 //!
 //! where `c_y` is what joint rates add to `p`. The mass centre moves by `delta_T y / m`. No acceleration appears, and a uniform
 //! drift changes nothing (Likins 1970 has the equations with accelerations). First order in the amplitude but for `J(y)`.
+//!
+//! A passive joint (`hinges.rs`) is the same with the coefficients of its placement: `J` then is that of the vehicle as it stands.
 
+use super::hinges::{HeldChange, Hinge, PassiveJoints, Swinging};
 use super::locked::{BaseMotion, LockedVehicle};
 use super::rows::{StateRows, pose_change};
 use super::state::{Moving, PoseMomentum, PoseMomentumRate};
 use super::{Column, HALF, STATE};
 use crate::algebra::V3;
+use crate::joint_slopes::JointSlopes;
 use crate::kinematics::Kinematics;
+use crate::spring::SpringDamper;
 use crate::symmetric::Symmetric;
 use core::f64::consts::TAU;
 use nalgebra::{Cholesky, Matrix3, SMatrix, SVector, Vector3, Vector6};
 use poinsot_spatial::TENSOR;
 
-/// Most modes of a vehicle.
+/// Most modes and passive joints of a vehicle.
 pub const MOST_MODES: usize = 6;
 const AXES: usize = 3;
-/// Amplitude and conjugate momentum of every mode, one pair after the other: kg^1/2 m and kg^1/2 m/s.
+/// Amplitude and conjugate momentum of every mode, one pair after the other: kg^1/2 m and kg^1/2 m/s; then position and momentum of
+/// every passive joint: rad and N m s, or m and N s.
 pub type Internal = SVector<f64, INTERNAL>;
 /// Numbers of an [`Internal`].
 pub const INTERNAL: usize = 2 * MOST_MODES;
@@ -147,7 +153,53 @@ impl ModeNumber {
     }
 }
 
-/// A mode at a placement of its vehicle, in B.
+/// A number of a passive joint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SpringNumber {
+    /// Stiffness, N m/rad or N/m.
+    Stiffness,
+    /// Damping, N m s/rad or N s/m.
+    Damping,
+    /// Position without force, rad or m.
+    Rest,
+}
+
+impl SpringNumber {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Stiffness, Self::Damping, Self::Rest];
+
+    /// Its name in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Stiffness => "stiffness",
+            Self::Damping => "damping",
+            Self::Rest => "rest",
+        }
+    }
+
+    /// Its unit in results, of a joint that slides or turns.
+    pub fn unit(self, slides: bool) -> &'static str {
+        match (self, slides) {
+            (Self::Stiffness, false) => "N m/rad",
+            (Self::Stiffness, true) => "N/m",
+            (Self::Damping, false) => "N m s/rad",
+            (Self::Damping, true) => "N s/m",
+            (Self::Rest, false) => "rad",
+            (Self::Rest, true) => "m",
+        }
+    }
+
+    /// The number of a spring.
+    pub fn of(self, spring: &mut SpringDamper) -> &mut f64 {
+        match self {
+            Self::Stiffness => &mut spring.stiffness,
+            Self::Damping => &mut spring.damping,
+            Self::Rest => &mut spring.rest,
+        }
+    }
+}
+
+/// A mode or passive joint at a placement of its vehicle, in B.
 #[derive(Debug, Clone, Copy, Default)]
 struct Placed {
     /// Axes of its host.
@@ -155,20 +207,24 @@ struct Placed {
     /// The host's origin from the mass centre of the undeformed vehicle.
     arm: Vector3<f64>,
     translation: Vector3<f64>,
-    rotation: Vector3<f64>,
     d: Vector3<f64>,
     slope: Matrix3<f64>,
     /// Velocity and rate of its host while the base is still, less those of the mass centre.
     still: (Vector3<f64>, Vector3<f64>),
-    omega: f64,
-    damping: f64,
+    /// Its momentum while base and rates are still.
+    carried: f64,
+    spring: SpringDamper,
 }
 
-/// The modes of a vehicle at one placement.
+/// The modes and passive joints of a vehicle at one placement.
 #[derive(Debug, Clone, Copy)]
 pub struct Flexibility {
     count: usize,
+    /// How many of them are modes.
+    modes: usize,
     of: [Placed; MOST_MODES],
+    /// The passive joints.
+    hinges: [Hinge; MOST_MODES],
     /// `G^-1`.
     inverse: SMatrix<f64, MOST_MODES, MOST_MODES>,
     mass: f64,
@@ -184,15 +240,28 @@ pub struct FlexibleMotion {
     pub rates: PerMode,
 }
 
-/// What an unknown does to the bodies of a vehicle, in B.
+/// What an unknown does to a vehicle, in B, at the present motion.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct BodyChange {
     /// Change of the mass centre.
     pub dc: Vector3<f64>,
     /// Change of the mass.
     pub dm: f64,
-    /// Change of the linear momentum of the joint rates.
-    pub dl_joints: Vector3<f64>,
+    /// Change of momenta, and of the push on passive joints.
+    pub held: HeldChange,
+}
+
+/// What an unknown does to one body, in B.
+#[derive(Debug, Clone, Copy)]
+pub struct OneBody {
+    /// [`PassiveJoints::over`] of the body.
+    pub over: u8,
+    /// Change of its momentum about the base's origin.
+    pub momentum: Vector6<f64>,
+    /// Change of its mass.
+    pub dm: f64,
+    /// Change of its first moment about the base's origin.
+    pub dmc: Vector3<f64>,
 }
 
 /// A change of a motion.
@@ -202,6 +271,8 @@ pub struct FlexibleChange {
     pub twist: Vector6<f64>,
     /// Of `y'`.
     pub rates: PerMode,
+    /// Of the rate of the momenta of passive joints, but for springs and forces.
+    push: PerMode,
 }
 
 /// Pose and momentum with the modes.
@@ -240,8 +311,11 @@ impl core::ops::Deref for FlexibleMotion {
 impl FlexibleChange {
     /// The modes go on as before.
     pub fn of_twist(twist: Vector6<f64>) -> Self {
-        let rates = PerMode::zeros();
-        Self { twist, rates }
+        Self {
+            twist,
+            rates: PerMode::zeros(),
+            push: PerMode::zeros(),
+        }
     }
 }
 
@@ -298,33 +372,71 @@ impl Flexibility {
     /// Places the modes on a vehicle; `kinematics` has the velocities of its bodies while the base is still. `None` where the modes
     /// carry more than the vehicle weighs.
     pub fn new(modes: &[Mode], kinematics: &Kinematics, locked: &LockedVehicle) -> Option<Self> {
+        let none = (&PassiveJoints::default(), &JointSlopes::default());
+        Self::with_joints(modes, none, kinematics, locked)
+    }
+
+    /// The same with passive joints; `still` has the vehicle while base and passive joints are at rest.
+    pub fn with_joints(
+        modes: &[Mode],
+        (passive, still): (&PassiveJoints, &JointSlopes),
+        kinematics: &Kinematics,
+        locked: &LockedVehicle,
+    ) -> Option<Self> {
         let (mass, c, l_joints) = locked.parts();
         let (c, l_joints) = (c.stored(), l_joints.stored());
-        let count = modes.len().min(MOST_MODES);
+        let modes = &modes[..modes.len().min(MOST_MODES)];
         let mut of = [Placed::default(); MOST_MODES];
         for (out, mode) in of.iter_mut().zip(modes) {
             let R = kinematics.R[mode.body];
             let arm = kinematics.p[mode.body] - c;
             let (translation, rotation) = (R * mode.translation, R * mode.rotation);
             let v = kinematics.v[mode.body] - l_joints / mass;
+            let w = kinematics.w[mode.body];
+            let omega = TAU * mode.frequency_Hz;
             *out = Placed {
                 R,
                 arm,
                 translation,
-                rotation,
                 d: rotation + arm.cross(&translation),
                 slope: R * mode.inertia_slope * R.transpose(),
-                still: (v, kinematics.w[mode.body]),
-                omega: TAU * mode.frequency_Hz,
-                damping: mode.damping_ratio,
+                still: (v, w),
+                carried: translation.dot(&v) + rotation.dot(&w),
+                spring: SpringDamper {
+                    stiffness: omega * omega,
+                    damping: 2.0 * mode.damping_ratio * omega,
+                    rest: 0.0,
+                },
             };
         }
-        let coupling = SMatrix::from_fn(|i, j| {
-            f64::from(u8::from(i == j)) - of[i].translation.dot(&of[j].translation) / mass
-        });
+        let (mut hinges, mut count) = ([Hinge::default(); MOST_MODES], modes.len());
+        for (k, (hinge, spring)) in passive.placed(still, kinematics).enumerate() {
+            let Some(out) = of.get_mut(count) else { break };
+            let [l, h] = [0, 3].map(|at| hinge.swing.fixed_rows::<3>(at).into_owned());
+            *out = Placed {
+                translation: l,
+                d: h - c.cross(&l),
+                carried: hinge.still() - l.dot(&l_joints) / mass,
+                spring,
+                ..Placed::default()
+            };
+            hinges[k] = hinge;
+            count += 1;
+        }
+        let own =
+            |i: usize, j: usize| match (i.checked_sub(modes.len()), j.checked_sub(modes.len())) {
+                (Some(i), Some(j)) if i.max(j) < count - modes.len() => {
+                    hinges[i].shared(&hinges[j], (i, j))
+                }
+                _ => f64::from(u8::from(i == j)),
+            };
+        let coupling =
+            SMatrix::from_fn(|i, j| own(i, j) - of[i].translation.dot(&of[j].translation) / mass);
         Some(Self {
             count,
+            modes: modes.len(),
             of,
+            hinges,
             inverse: Cholesky::new(coupling)?.inverse(),
             mass,
             l_joints,
@@ -333,6 +445,37 @@ impl Flexibility {
 
     fn modes(&self) -> &[Placed] {
         &self.of[..self.count]
+    }
+
+    fn hinges(&self) -> &[Hinge] {
+        &self.hinges[..self.count - self.modes]
+    }
+
+    /// What moves the mass centre: amplitudes of modes. Passive joints are placed where they are.
+    fn amplitudes(&self, internal: &Internal) -> PerMode {
+        PerMode::from_fn(|k, _| if k < self.modes { internal[2 * k] } else { 0.0 })
+    }
+
+    /// The passive joints in a change of the motion, or in all of it, with the change `dl` of the momentum otherwise.
+    fn swinging(
+        &self,
+        w: Vector3<f64>,
+        rates: &PerMode,
+        c: &Vector3<f64>,
+        l: &Vector3<f64>,
+    ) -> Swinging<'_> {
+        let v = -w.cross(c) - (self.shifted(rates) + l) / self.mass;
+        Swinging {
+            hinges: self.hinges(),
+            twist: Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z),
+            rates: PerMode::from_fn(|k, _| rates.get(self.modes + k).copied().unwrap_or(0.0)),
+        }
+    }
+
+    /// The passive joints in a motion.
+    fn in_motion(&self, motion: &FlexibleMotion) -> Swinging<'_> {
+        let c = &motion.base.centre.p_BoScm_B;
+        self.swinging(motion.base.twist.w, &motion.rates, c, &self.l_joints)
     }
 
     /// `D x`.
@@ -358,9 +501,9 @@ impl Flexibility {
 
     /// Motion of a vehicle, which `locked` describes without its modes; `None` where the deflected vehicle has no positive inertia.
     pub fn motion(&self, locked: &LockedVehicle, state: &FlexibleState) -> Option<FlexibleMotion> {
-        let (y, mut free) = (amplitudes(&state.internal), momenta(&state.internal));
+        let (y, mut free) = (self.amplitudes(&state.internal), momenta(&state.internal));
         for (free, mode) in free.iter_mut().zip(self.modes()) {
-            *free -= mode.translation.dot(&mode.still.0) + mode.rotation.dot(&mode.still.1);
+            *free -= mode.carried;
         }
         let free = self.inverse * free;
         let mut held = Matrix3::zeros();
@@ -384,8 +527,8 @@ impl Flexibility {
     pub fn at_rest(&self, w: &Vector3<f64>) -> Internal {
         let mut out = Internal::zeros();
         for (k, mode) in self.modes().iter().enumerate() {
-            let carried = mode.translation.dot(&mode.still.0) + mode.rotation.dot(&mode.still.1);
-            out[2 * k + 1] = mode.d.dot(w) + carried;
+            out[2 * k] = mode.spring.rest;
+            out[2 * k + 1] = mode.d.dot(w) + mode.carried;
         }
         out
     }
@@ -402,25 +545,51 @@ impl Flexibility {
         for (k, mode) in self.modes().iter().enumerate() {
             let (y, rate) = (internal[2 * k], motion.rates[k]);
             out[2 * k] = rate;
-            out[2 * k + 1] = 0.5 * w.dot(&(mode.slope * w))
-                - mode.omega * (mode.omega * y + 2.0 * mode.damping * rate)
+            out[2 * k + 1] = 0.5 * w.dot(&(mode.slope * w)) + mode.spring.force(y, rate)
                 - mode.translation.dot(force_B) / self.mass;
+        }
+        let swinging = self.in_motion(motion);
+        for (k, hinge) in self.hinges().iter().enumerate() {
+            out[2 * (self.modes + k) + 1] += swinging.push(hinge);
         }
         out
     }
 
-    /// The change of a motion where pose and momenta stay. `held` is the change of the twist if `y'` did not follow, by
-    /// [`BaseMotion::twist_slope`] or [`Self::turned`]; `dp` is what the momenta of the modes would lack then.
-    fn answer(&self, motion: &FlexibleMotion, held: &Vector6<f64>, dp: &PerMode) -> FlexibleChange {
+    /// The change of a motion where pose and momenta stay. `twist` is its change if `y'` did not follow, by
+    /// [`BaseMotion::twist_slope`] or [`Self::turned`]; `dp` and what `held` does is what the internal momenta would lack then.
+    fn answer(
+        &self,
+        motion: &FlexibleMotion,
+        twist: &Vector6<f64>,
+        dp: &PerMode,
+        held: Option<&HeldChange>,
+    ) -> FlexibleChange {
+        let mut dp = *dp;
+        if let Some(held) = held {
+            for (dp, mode) in dp.iter_mut().zip(self.modes()) {
+                *dp += mode.translation.dot(&held.l) / self.mass;
+            }
+            for (k, hinge) in self.hinges().iter().enumerate() {
+                dp[self.modes + k] -= hinge.along(&held.carried[k]);
+            }
+        }
         let free = self.inverse * dp;
         let (none, h) = (Vector3::zeros(), -self.spun(&free));
         let turn = motion.base.of_central(&V3::of(&none), &V3::of(&h));
-        let mut twist = held + stacked(&turn);
+        let mut twist = twist + stacked(&turn);
         let w: Vector3<f64> = twist.fixed_rows::<3>(3).into();
         let rates = free - self.inverse * self.along(&w);
         let v = self.shifted(&rates) / self.mass;
         twist.fixed_rows_mut::<3>(0).zip_apply(&v, |a, b| *a -= b);
-        FlexibleChange { twist, rates }
+        let mut push = PerMode::zeros();
+        if !self.hinges().is_empty() {
+            let l = held.map_or_else(Vector3::zeros, |held| held.l);
+            let change = self.swinging(w, &rates, &motion.base.centre.p_BoScm_B, &l);
+            let own = self.in_motion(motion).push_change(&change, held);
+            let last = push.iter_mut().skip(self.modes);
+            last.zip(&own).for_each(|(push, own)| *push = *own);
+        }
+        FlexibleChange { twist, rates, push }
     }
 
     /// Change of the twist where the momentum at the present motion changes by these, the angular one about the mass centre.
@@ -437,34 +606,89 @@ impl Flexibility {
         held: &Vector6<f64>,
         of: &BodyChange,
     ) -> FlexibleChange {
-        let (w, m, dl) = (&motion.base.twist.w, self.mass, of.dl_joints);
-        let (deflection, growth) = (self.shifted(&amplitudes(internal)) / m, of.dm / m);
-        let dc = of.dc + deflection * growth;
+        let (w, m) = (&motion.base.twist.w, self.mass);
+        let deflection = self.shifted(&self.amplitudes(internal)) / m;
+        let dc = of.dc + deflection * (of.dm / m);
         // `held` takes the deflected mass centre, the inertia is that about the other one.
         let turn = dc.cross(&w.cross(&deflection)) + deflection.cross(&w.cross(&dc));
         let along = self.shifted(&motion.rates) / m;
         let h = turn * m - deflection.cross(&(w.cross(&deflection) + along)) * of.dm;
-        let slower = (dl - self.l_joints * growth) / m - along * growth;
-        let mut dp = PerMode::zeros();
-        for (dp, mode) in dp.iter_mut().zip(self.modes()) {
-            *dp = dc.cross(&mode.translation).dot(w) + mode.translation.dot(&slower);
-        }
         let held = held + Self::turned(motion, &Vector3::zeros(), &h);
-        self.answer(motion, &held, &dp)
+        self.answer(motion, &held, &PerMode::zeros(), Some(&of.held))
+    }
+
+    /// Adds what an unknown does to one body under a force on the vehicle, N, in B.
+    pub fn add_body(
+        &self,
+        motion: &FlexibleMotion,
+        (out, body): (&mut HeldChange, &OneBody),
+        force_B: &Vector3<f64>,
+    ) {
+        let u = motion.base.centre.l_B / self.mass;
+        // Relative to the mass centre.
+        let own = body.momentum - stacked(&(V3::of(&(u * body.dm)), V3::of(&body.dmc.cross(&u))));
+        let l: Vector3<f64> = own.fixed_rows::<3>(0).into();
+        out.l += l;
+        for (k, hinge) in self.hinges().iter().enumerate() {
+            if body.over & (1 << k) != 0 {
+                out.carried[k] += own;
+                out.push[k] -= hinge.pull(body.dm, &body.dmc).dot(force_B) / self.mass;
+            }
+        }
+    }
+
+    /// Adds what a change of position and rate of a joint does that is not passive.
+    pub fn add_joint(
+        &self,
+        motion: &FlexibleMotion,
+        (out, joint): (&mut HeldChange, &Hinge),
+        [position, rate]: [f64; 2],
+        force_B: &Vector3<f64>,
+    ) {
+        let swinging = self.in_motion(motion);
+        let (moved, _) = swinging.moved(joint, &(force_B / self.mass));
+        out.add(&moved, position);
+        out.add(&swinging.driven(joint), rate);
     }
 
     /// The change of a motion with one number of the modes' state.
-    fn with_internal(&self, motion: &FlexibleMotion, number: usize) -> FlexibleChange {
+    fn with_internal(
+        &self,
+        motion: &FlexibleMotion,
+        number: usize,
+        force_B: &Vector3<f64>,
+    ) -> FlexibleChange {
         let (k, is_momentum) = (number / 2, number % 2 == 1);
         let (mode, w) = (&self.of[k], &motion.base.twist.w);
         let mut dp = PerMode::zeros();
         if is_momentum {
             dp[k] = 1.0;
-            return self.answer(motion, &Vector6::zeros(), &dp);
+            return self.answer(motion, &Vector6::zeros(), &dp, None);
+        }
+        if let Some(hinge) = k.checked_sub(self.modes).map(|k| &self.hinges[k]) {
+            let (moved, whole) = self.in_motion(motion).moved(hinge, &(force_B / self.mass));
+            let held = -motion.base.twist_of(&whole);
+            return self.answer(motion, &held, &dp, Some(&moved));
         }
         let h = mode.slope * w - mode.translation.cross(&self.l_joints) / self.mass;
         let held = Self::turned(motion, &w.cross(&mode.translation), &h);
-        self.answer(motion, &held, &dp)
+        self.answer(motion, &held, &dp, None)
+    }
+
+    /// What a number of passive joint k adds to the rate of its momentum, with the place of that.
+    pub fn with_spring(
+        &self,
+        (motion, internal): (&FlexibleMotion, &Internal),
+        (k, number): (usize, SpringNumber),
+    ) -> (usize, f64) {
+        let at = self.modes + k;
+        let spring = &self.of[at].spring;
+        let push = match number {
+            SpringNumber::Stiffness => spring.rest - internal[2 * at],
+            SpringNumber::Damping => -motion.rates[at],
+            SpringNumber::Rest => spring.stiffness,
+        };
+        (2 * at + 1, push)
     }
 
     /// The change of a motion with a number of mode k, and what it adds to the rate of the mode's momentum under a force, N, in B.
@@ -476,13 +700,15 @@ impl Flexibility {
     ) -> (FlexibleChange, f64) {
         let (mode, w) = (&self.of[k], &motion.base.twist.w);
         let (y, rate) = (internal[2 * k], motion.rates[k]);
+        let omega = mode.spring.stiffness.sqrt();
         let mut dp = PerMode::zeros();
         let (mut l, mut h, mut push) = (Vector3::zeros(), Vector3::zeros(), 0.0);
         match number {
             ModeNumber::Frequency => {
-                push = -2.0 * TAU * (mode.omega * y + mode.damping * rate);
+                let ratio = 0.5 * mode.spring.damping / omega;
+                push = -2.0 * TAU * (omega * y + ratio * rate);
             }
-            ModeNumber::Damping => push = -2.0 * mode.omega * rate,
+            ModeNumber::Damping => push = -2.0 * omega * rate,
             ModeNumber::Translation(axis) => {
                 let dt: Vector3<f64> = mode.R.column(axis).into();
                 let dd = mode.arm.cross(&dt);
@@ -509,7 +735,7 @@ impl Flexibility {
             }
         }
         let held = Self::turned(motion, &l, &h);
-        (self.answer(motion, &held, &dp), push)
+        (self.answer(motion, &held, &dp, None), push)
     }
 
     /// How far the mass centre moves with a participation in translation, per unit of it, in B.
@@ -530,8 +756,9 @@ impl Flexibility {
             let rate = change.rates[k];
             out[2 * k] = rate;
             out[2 * k + 1] = (mode.slope * motion.base.twist.w).dot(&dw)
-                - 2.0 * mode.damping * mode.omega * rate
-                - mode.translation.dot(dF_B) / self.mass;
+                - mode.spring.damping * rate
+                - mode.translation.dot(dF_B) / self.mass
+                + change.push[k];
         }
         out
     }
@@ -548,7 +775,7 @@ impl Flexibility {
         let (none, no_force) = (PerMode::zeros(), Vector3::zeros());
         rows.count = 2 * self.count;
         let follow = |held: &mut [f64; HALF]| {
-            let change = self.answer(motion, &Vector6::from(*held), &none);
+            let change = self.answer(motion, &Vector6::from(*held), &none, None);
             *held = change.twist.into();
             self.rate_change(motion, &change, &no_force)
         };
@@ -562,10 +789,10 @@ impl Flexibility {
         let R = *state.R_NB.to_rotation_matrix().matrix();
         for number in 0..rows.count {
             let mode = &self.of[number / 2];
-            let change = self.with_internal(motion, number);
+            let change = self.with_internal(motion, number, force_B);
             let mut rate = self.rate_change(motion, &change, &no_force);
             if number.is_multiple_of(2) {
-                rate[number + 1] -= mode.omega * mode.omega;
+                rate[number + 1] -= mode.spring.stiffness;
                 let torque = R * force_B.cross(&mode.translation) / self.mass;
                 rows.push[number][AXES..].copy_from_slice(torque.as_slice());
             }
@@ -577,15 +804,25 @@ impl Flexibility {
 }
 
 impl ModeRows {
+    /// Change of the rate of the internal state with a number of the change of pose and momentum; the position enters nowhere.
+    pub fn rate_over_state(&self, column: usize) -> [f64; INTERNAL] {
+        match column {
+            0..AXES => self.attitude[column],
+            HALF.. => self.momentum[column - HALF],
+            _ => [0.0; INTERNAL],
+        }
+    }
+
+    /// The same with a number of the internal state.
+    pub fn rate_over_internal(&self, number: usize) -> [f64; INTERNAL] {
+        self.internal[number]
+    }
+
     /// Change of the twist with the modes of a column.
     pub fn twist_times(&self, x: &Column) -> Vector6<f64> {
         let own = x.iter().skip(STATE).zip(&self.twist).take(self.count);
         own.map(|(x, twist)| Vector6::from(*twist) * *x).sum()
     }
-}
-
-fn amplitudes(internal: &Internal) -> PerMode {
-    PerMode::from_fn(|k, _| internal[2 * k])
 }
 
 fn momenta(internal: &Internal) -> PerMode {

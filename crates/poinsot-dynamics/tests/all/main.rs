@@ -11,6 +11,7 @@ mod exact_joint_plans;
 mod exact_measurements;
 mod exact_modes;
 mod exact_motions;
+mod exact_passive_joints;
 mod exact_propellant;
 mod kernels;
 mod prop_motion;
