@@ -22,7 +22,7 @@ import sys
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from motion import Vehicle, cross_matrix, exponential, fly, matrix, product, times
+from motion import Swinging, Vehicle, exponential, fly, matrix, product, swing, times
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 ELEMENTS = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
@@ -265,14 +265,37 @@ def rotation_text(m):
     return text(vectors[:, np.argmax(values)])
 
 
-def joint_texts(family, joints):
+def joint_texts(family, joints, spring=lambda k, j: ""):
     for j, (parent, at, seat, axis) in enumerate(joints):
         family.write(
             lambda k, j=j, parent=parent, at=at, seat=seat, axis=axis: (
                 f'[[joint]]\nname = "joint{j + 1}"\ntype = "revolute"\nparent = "b{parent}"\nchild = "b{j + 1}"\n'
-                f"origin_m = {text(at[k])}\nrotation_xyzw = {rotation_text(seat[k])}\naxis = {text(axis[k])}\n\n"
+                f"origin_m = {text(at[k])}\nrotation_xyzw = {rotation_text(seat[k])}\naxis = {text(axis[k])}\n{spring(k, j)}\n"
             )
         )
+
+
+def sprung(family, joints, springs, unknown=False):
+    """Joints that springs move; `unknown`: stiffness and damping are, with nominal numbers 10 and 50 % off."""
+    stiffness, damping, rest = springs
+    shown = (stiffness, damping)
+    if unknown:
+        draw = family.draw
+        count = stiffness.shape[1]
+        shown = (stiffness * (1 + 0.1 * draw.normal(count)), damping * np.exp(0.5 * draw.normal(count)))
+
+    def spring(k, j):
+        keys = f"stiffness_N_m_per_rad = {shown[0][k, j]:.15g}, damping_N_m_s_per_rad = {shown[1][k, j]:.15g}"
+        keys += f", rest_rad = {rest[k, j]:.15g}"
+        return f"spring_damper = {{ {keys}" + (', estimate = ["stiffness", "damping"]' if unknown else "") + " }\n"
+
+    joint_texts(family, joints, spring)
+
+
+def held(inertia, draw, low_Hz, high_Hz, ratio):
+    """Stiffness and damping of joints that carry these inertias, with a share of the critical damping."""
+    omega = 2 * np.pi * draw.uniform(low_Hz, high_Hz, inertia.shape[1])
+    return inertia * omega**2, 2 * ratio * inertia * omega
 
 
 def wheel_texts(family, all):
@@ -553,6 +576,84 @@ def all_ten(family, gps, velocity=None, drawn=0.0, common=0.0):
         vector(family, "velocity", "vel", at[::10], speed[:, ::10], "m_s", velocity)
 
 
+def panels(family, unknown=False):
+    """A bus with two panels on hinges, and three wheels that slew it."""
+    draw = family.draw
+    count = len(family.seeds)
+    body = bus(draw, 150.0, 500.0)
+    bodies, chain, about = [body], [], []
+    for side in (1.0, -1.0):
+        mass = 0.02 * body[0] * draw.uniform(0.7, 1.3)
+        length = draw.uniform(1.5, 3.0)
+        own = mass[:, None] * np.stack([length**2, np.full(count, 1.0), length**2 + 1.0], axis=-1) / 12
+        bodies.append((mass, np.stack([0 * mass, side * length / 2, 0 * mass], axis=-1), np.einsum("si,ij->sij", own, np.eye(3))))
+        about.append(own[:, 0] + mass * length**2 / 4)
+        seat = matrix(exponential(np.array([0.0, 1.0, 0.0]) * draw.uniform(-0.5, 0.5)[:, None]))
+        chain.append((0, np.array([0, side * 0.7, 0]) + 0.1 * draw.normal(3), seat, np.array([1.0, 0, 0]) + np.zeros((count, 3))))
+    springs = (*held(np.stack(about, axis=-1), draw, 0.08, 0.4, 0.005), 0.1 * draw.normal(2))
+    least = np.linalg.eigvalsh(body[2])[:, 0]
+    all = [(0, a, least * draw.uniform(3e-4, 8e-4)) for a in axes(3, draw)]
+    # Fast enough to move the panels.
+    curve = Curve(draw, 3, 100.0, (10.0, 60.0))
+    family.bodies(bodies, {0: '["inertia"]'})
+    sprung(family, chain, springs, unknown)
+    wheel_texts(family, all)
+    at = grid(200.0, 10.0)
+    joints = (springs[2], np.zeros((count, 2)))
+    swinging = Swinging(Vehicle(bodies, chain, all), springs)
+    attitude, place, rates, velocity = swing(swinging, curve, start(draw, 0.003), joints, at, 0.05)
+    wheels(family, at, curve, 0.01)
+    gyro(family, at, rates, 2e-5)
+    tracker(family, at[::5], attitude[:, ::5], 5e-5)
+
+
+def pendulum(family, rate=0.003, force=4.0, unknown="true"):
+    """A bus with propellant as a pendulum of two hinges, or of one without a spring where it spins, under thrust."""
+    draw = family.draw
+    count = len(family.seeds)
+    spins = rate > 0.1
+    body = bus(draw, 200.0, 500.0)
+    if spins:
+        body[2][:, 2, 2] = body[2][:, 2, 2] + 0.5 * np.trace(body[2], axis1=1, axis2=2) / 3
+    mass = 0.05 * body[0] * draw.uniform(0.7, 1.3)
+    arm = draw.uniform(0.2, 0.5)
+    tiny = np.einsum("s,ij->sij", 0.01 * mass, np.eye(3))
+    bob = (mass, np.stack([arm, 0 * arm, 0 * arm], axis=-1), tiny)
+    at_hinge = np.array([0.3, 0, 0]) + 0.1 * draw.normal(3)
+    x, y, z = np.eye(3)
+    level = np.broadcast_to(np.eye(3), (count, 3, 3))
+    if spins:
+        # The spin holds it outward.
+        bodies, chain = [body, bob], [(0, at_hinge, level, z + np.zeros((count, 3)))]
+        about = 0 * np.stack([mass], axis=-1)
+    else:
+        knee = (0.05 * mass, np.zeros((count, 3)), 0.02 * tiny)
+        bodies = [body, knee, bob]
+        chain = [(0, at_hinge, level, y + np.zeros((count, 3))), (1, np.zeros((count, 3)), level, z + np.zeros((count, 3)))]
+        about = np.stack([mass * arm**2] * 2, axis=-1)
+    springs = (*held(about, draw, 0.03, 0.15, 0.02), np.zeros_like(about))
+    if spins:
+        springs = (springs[0], np.stack([0.002 * mass * arm**2], axis=-1), springs[2])
+    seats, directions = thruster_seats(draw)
+    pulses = Pulses(draw, seats, directions, np.full((count, 12), force), 30, (1.0, 4.0), 200.0, 0.1)
+    family.bodies(bodies, {0: unknown})
+    sprung(family, chain, springs)
+    thruster_texts(family, seats, directions)
+    attitude, place, twist = start(draw, 0.003, 0.005)
+    twist[:, 2] += rate
+    at = grid(200.0, 10.0)
+    joints = (0.3 * draw.normal(len(chain)), np.zeros((count, len(chain))))
+    swinging = Swinging(Vehicle(bodies, chain), springs)
+    found = swing(swinging, Still(draw), (attitude, place, twist), joints, at, 0.02, wrench=pulses.wrench)
+    attitude, place, rates, speed = found
+    fired(family, pulses)
+    gyro(family, at, rates, 2e-5)
+    tracker(family, at[::5], attitude[:, ::5], 5e-5)
+    if unknown == "true":
+        vector(family, "position", "pos", at[::10], place[:, ::10], "m", 0.1)
+        vector(family, "velocity", "vel", at[::10], speed[:, ::10], "m_s", 2e-3)
+
+
 FAMILIES = {
     "wheels_q0.3": lambda f: with_wheels(f),
     "wheels_q1": lambda f: with_wheels(f, q=1.0),
@@ -584,6 +685,10 @@ FAMILIES = {
     "thrusters_gps2": lambda f: all_ten(f, 2.0),
     "thrusters_drawn": lambda f: all_ten(f, 0.1, 2e-3, drawn=0.05),
     "thrusters_common": lambda f: all_ten(f, 0.1, 2e-3, drawn=0.02, common=0.05),
+    "panels": panels,
+    "panels_unknown": lambda f: panels(f, unknown=True),
+    "pendulum_thrust": pendulum,
+    "pendulum_spinner": lambda f: pendulum(f, rate=2 * np.pi * 3.0 / 60, unknown='["inertia"]'),
 }
 
 

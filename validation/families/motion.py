@@ -132,3 +132,89 @@ def fly(vehicle, inputs, start, times_s, step_s, wrench=None, torque=None):
         turned, _, v = state_of(end, *state)
         out.append((state[0], state[1], v[:, :3], times(turned, v[:, 3:])))
     return [np.stack(x, axis=1) for x in zip(*out)]
+
+
+class Swinging:
+    """A tree whose joints springs alone move, by Newton and Euler: accelerations of all bodies, and what holds them. `springs`:
+    stiffness, damping, rest [S, joints]."""
+
+    def __init__(self, vehicle, springs):
+        self.vehicle, self.springs = vehicle, springs
+
+    def place(self, q):
+        turned, origin, axes = [np.broadcast_to(np.eye(3), (len(q), 3, 3))], [np.zeros((len(q), 3))], [None]
+        for k, (parent, at, seat, axis) in enumerate(self.vehicle.joints):
+            seated = turned[parent] @ seat
+            turned.append(seated @ rotation(axis, q[:, k]))
+            origin.append(times(turned[parent], at))
+            axes.append(times(seated, axis))
+        return turned, origin, axes
+
+    def held(self, placed, w, qd, speeds, turn, fall, qdd, torques):
+        """Torque about the base's origin, force, and torque of each joint at these accelerations."""
+        turned, arms, axes = placed
+        rate, alpha, a = [w], [turn], [fall]
+        for k, (parent, *_) in enumerate(self.vehicle.joints):
+            r, s = arms[k + 1], axes[k + 1]
+            a.append(a[parent] + np.cross(alpha[parent], r) + np.cross(rate[parent], np.cross(rate[parent], r)))
+            alpha.append(alpha[parent] + s * qdd[:, k, None] + np.cross(rate[parent], s) * qd[:, k, None])
+            rate.append(rate[parent] + s * qd[:, k, None])
+        force, torque = [], []
+        for b, (m, c, about) in enumerate(self.vehicle.bodies):
+            arm = times(turned[b], c)
+            own = turned[b] @ about @ np.swapaxes(turned[b], -1, -2)
+            force.append(m[:, None] * (a[b] + np.cross(alpha[b], arm) + np.cross(rate[b], np.cross(rate[b], arm))))
+            torque.append(times(own, alpha[b]) + np.cross(rate[b], times(own, rate[b])) + np.cross(arm, force[b]))
+        for j, (body, axis, spin) in enumerate(self.vehicle.wheels):
+            along = times(turned[body], axis)
+            torque[body] = torque[body] + along * (spin * torques[:, j])[:, None]
+            torque[body] = torque[body] + np.cross(rate[body], along * (spin * speeds[:, j])[:, None])
+        joints = np.zeros_like(qd)
+        for k in reversed(range(len(self.vehicle.joints))):
+            parent = self.vehicle.joints[k][0]
+            joints[:, k] = np.sum(axes[k + 1] * torque[k + 1], axis=-1)
+            torque[parent] = torque[parent] + torque[k + 1] + np.cross(arms[k + 1], force[k + 1])
+            force[parent] = force[parent] + force[k + 1]
+        return np.concatenate([torque[0], force[0], joints], axis=-1)
+
+    def accelerations(self, w, q, qd, speeds, torques, wrench):
+        placed, still = self.place(q), np.zeros_like(q)
+        none, size = np.zeros_like(w), 6 + q.shape[1]
+        moving = self.held(placed, w, qd, speeds, none, none, still, torques)
+        columns = []
+        for k in range(size):
+            unit = np.zeros((len(q), size))
+            unit[:, k] = 1.0
+            columns.append(self.held(placed, none, still, 0 * speeds, unit[:, :3], unit[:, 3:6], unit[:, 6:], 0 * torques))
+        stiffness, damping, rest = self.springs
+        push = np.concatenate([*wrench, -stiffness * (q - rest) - damping * qd], axis=-1)
+        return np.linalg.solve(np.stack(columns, axis=-1), (push - moving)[..., None])[..., 0]
+
+
+def swing(swinging, curve, start, joints, times_s, step_s, wrench=None):
+    """Pose and twist of the base at the given times; `curve` has wheel speeds, `joints` positions and rates at the start."""
+    attitude, place, twist = start
+    none = np.zeros_like(place)
+
+    def slope(t, within, q_NB, p, v, w, q, qd):
+        turned = matrix(q_NB)
+        push = (none, none) if wrench is None else wrench(within)
+        found = swinging.accelerations(w, q, qd, curve.value(t), curve.slope(t), push)
+        spin = np.concatenate([0.5 * w, np.zeros((len(w), 1))], axis=-1)
+        return product(q_NB, spin), v, times(turned, found[:, 3:6]), found[:, :3], qd, found[:, 6:]
+
+    state = (attitude, place, times(matrix(attitude), twist[:, 3:]), twist[:, :3], *joints)
+    t, out = 0.0, []
+    for end in times_s:
+        while t < end - 1e-9:
+            h = min(step_s, end - t)
+            within = t + h / 2
+            k1 = slope(t, within, *state)
+            k2 = slope(t + h / 2, within, *(x + h / 2 * k for x, k in zip(state, k1)))
+            k3 = slope(t + h / 2, within, *(x + h / 2 * k for x, k in zip(state, k2)))
+            k4 = slope(t + h, within, *(x + h * k for x, k in zip(state, k3)))
+            state = tuple(x + h / 6 * (a + 2 * b + 2 * c + d) for x, a, b, c, d in zip(state, k1, k2, k3, k4))
+            state = (state[0] / np.linalg.norm(state[0], axis=-1, keepdims=True),) + state[1:]
+            t = t + h
+        out.append((state[0], state[1], state[3], state[2]))
+    return [np.stack(x, axis=1) for x in zip(*out)]

@@ -28,6 +28,7 @@ use poinsot_solve::{BlockQr, Triangle};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 use rate_noise::RateNoise;
 use sensor_rows::SensorCursor;
+use std::f64::consts::{PI, TAU};
 
 /// Sigma of modes at the start, in those of a body that turns at the measured rate, rad/s, and of a slower one.
 const WIDE: f64 = 30.0;
@@ -232,6 +233,7 @@ fn evaluate_driven(
         segment,
         rest_motion: setting.alternative.rest_motion,
         forced,
+        internal: vehicle.modes.len() + vehicle.passive.joints().len(),
         followed: compare.followed(),
         records: setting.smooth_inputs,
     });
@@ -429,11 +431,7 @@ impl<'a> SegmentComparison<'a> {
     /// A weak prior of an unmeasured initial attitude, for motions that do not determine it. `turn` takes the axes of
     /// that one to those in hand.
     fn weak_attitude(&mut self, turn: &UnitQuaternion) {
-        self.weak_start(
-            0,
-            &-turn.scaled_axis(),
-            &Vector3::repeat(std::f64::consts::PI),
-        );
+        self.weak_start(0, &-turn.scaled_axis(), &Vector3::repeat(PI));
     }
 
     /// The same for modes that no sensor sees: a wide prior of what they are at the start.
@@ -448,10 +446,15 @@ impl<'a> SegmentComparison<'a> {
             .first()
             .map_or(0.0, Vector3::norm);
         let momentum = WIDE * inertia.sqrt() * (rate + SLOW);
-        let own = self.initial_columns - 2 * setting.parameters.modes.len();
-        for (k, mode) in setting.parameters.modes.iter().enumerate() {
+        let modes = setting.parameters.modes.iter();
+        let modes = modes.map(|m| [momentum / (TAU * m.frequency_Hz), momentum]);
+        // A passive joint is anywhere, and swings some times as fast as the vehicle turns.
+        let joints = setting.parameters.passive.joints().iter();
+        let swings = [PI, momentum * inertia.sqrt()];
+        let all: Vec<[f64; 2]> = modes.chain(joints.map(|_| swings)).collect();
+        let own = self.initial_columns - 2 * all.len();
+        for (k, [amplitude, momentum]) in all.into_iter().enumerate() {
             let state = Vector3::new(start.internal[2 * k], start.internal[2 * k + 1], 0.0);
-            let amplitude = momentum / (std::f64::consts::TAU * mode.frequency_Hz);
             let sigma = Vector3::new(amplitude, momentum, f64::INFINITY);
             self.weak_start(own + 2 * k, &-state, &sigma);
         }

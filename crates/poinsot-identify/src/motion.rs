@@ -38,7 +38,7 @@ use crate::problem::segment::{Firing, Observations, Segment};
 use chord::{Chord, ColumnChord};
 use grid::{TURN, gyration, joint_frequency};
 use inputs::InputChange;
-use poinsot_dynamics::propagation::{Flexibility, LockedVehicle, MassCentre};
+use poinsot_dynamics::propagation::{Flexibility, Hinge, LockedVehicle, MassCentre};
 use poinsot_dynamics::{
     JointEffect, JointSlopes, Kinematics, Tree, composite, composite_and_momentum, wheel_momentum,
 };
@@ -74,10 +74,14 @@ struct InputState {
     free: Vec<(Vector3, f64)>,
     /// `None` where the parameters have no positive mass or inertia.
     locked: Option<LockedVehicle>,
-    /// Its modes, where it has any. Boxed: it is large, and inputs are exchanged at every step.
+    /// Its modes and passive joints, where it has any. Boxed: it is large, and inputs are exchanged at every step.
     flexible: Option<Box<Flexibility>>,
-    /// The grid time before.
+    /// The vehicle while base and passive joints are at rest, and its joints with virtual ones as they are among the passive ones.
+    still: JointSlopes,
+    hinges: Vec<Hinge>,
+    /// The grid time before, and the share of the interval behind it.
     interval: usize,
+    share: f64,
 }
 
 /// An evaluated state; its inputs are those in [`Motion::input_state`].
@@ -225,7 +229,10 @@ impl InputState {
             free: Vec::new(),
             locked: None,
             flexible: None,
+            still: JointSlopes::default(),
+            hinges: Vec::new(),
             interval: 0,
+            share: 0.0,
         }
     }
 }
@@ -297,7 +304,7 @@ impl<'a> Motion<'a> {
     /// Resumes at grid time k from another propagation and these sensitivities.
     pub fn resume_from(&mut self, known: &PropagatedState, columns: &[Column], k: usize) {
         self.columns.copy_from_slice(columns);
-        self.set_inputs(k, 0.0);
+        self.return_to(k, &known.state, &known.instant);
         self.keep(EvaluatedState {
             at: (k, 0.0),
             state: known.state,
@@ -317,7 +324,9 @@ impl<'a> Motion<'a> {
         let moved = self.vehicle.input_faults.iter().any(|f| f.value != 0.0);
         // Thrust drives modes at once.
         let other_force = |before: usize| {
-            !self.vehicle.modes.is_empty() && self.thrust.at(before) != self.thrust.at(k)
+            self.vehicle.is_flexible()
+                && (self.thrust.at(before) != self.thrust.at(k)
+                    || !self.vehicle.input_faults.is_empty())
         };
         let end = |at: (usize, f64)| !moved && at.1 == 1.0 && at.0 + 1 == k && !other_force(at.0);
         match self.evaluated.take() {
@@ -375,6 +384,31 @@ impl<'a> Motion<'a> {
             self.spare.retire(old);
         }
         self.inputs(k, at);
+        self.input_state.share = at;
+        // Passive joints are placed with a state.
+        if !self.vehicle.has_passive_joints() {
+            self.place_bodies();
+        }
+    }
+
+    /// Places the passive joints of a state, with all that depends on them.
+    fn place_state(&mut self, state: &State) {
+        let (k, at) = (self.input_state.interval, self.input_state.share);
+        if !self.input_state.free.is_empty() {
+            // Their speeds were those of another placement.
+            self.inputs(k, at);
+        }
+        let first = self.vehicle.modes.len();
+        for (i, joint) in self.vehicle.passive.joints().iter().enumerate() {
+            self.input_state.q[joint.coordinate] = state.internal[2 * (first + i)];
+            self.input_state.rates[joint.coordinate] = 0.0;
+        }
+        self.place_bodies();
+    }
+
+    /// Places the vehicle at its inputs, passive joints at rest.
+    fn place_bodies(&mut self) {
+        let (k, at) = (self.input_state.interval, self.input_state.share);
         let (v, input_state) = (self.vehicle, &mut self.input_state);
         let zero = Vector3::zeros();
         input_state.kinematics.place(v.tree, &input_state.q);
@@ -404,28 +438,59 @@ impl<'a> Motion<'a> {
         );
         let joints = joints + Vector6::new(0.0, 0.0, 0.0, wheels.x, wheels.y, wheels.z);
         input_state.locked = LockedVehicle::new(&whole, &turning, &joints);
-        if !v.modes.is_empty() {
-            let place = |locked: &LockedVehicle| {
-                Flexibility::new(&v.modes, &input_state.kinematics, locked)
-            };
-            let placed = input_state.locked.as_ref().and_then(place);
-            match (
-                placed.filter(|_| v.has_stable_modes()),
-                &mut input_state.flexible,
-            ) {
-                (Some(placed), Some(old)) => **old = placed,
-                (Some(placed), none) => *none = Some(Box::new(placed)),
-                (None, _) => input_state.locked = None,
-            }
+        if v.is_flexible() {
+            self.place_flexible();
+        }
+    }
+
+    /// Places modes and passive joints on the vehicle.
+    fn place_flexible(&mut self) {
+        let (v, now) = (self.vehicle, &mut self.input_state);
+        let kinematics = &now.kinematics;
+        now.hinges.clear();
+        if !v.joint_motions.is_empty() {
+            let (still, bodies) = (&mut now.still, &now.bodies);
+            still.fill(v.tree, bodies, kinematics, &v.spin, &now.wheels);
+            let place = |motion| v.passive.hinge(motion, &now.still, kinematics);
+            now.hinges.extend(v.joint_motions.iter().map(place));
+        }
+        let still = (&v.passive, &now.still);
+        let flexible = now.flexible.get_or_insert_default();
+        let placed = now.locked.as_ref().filter(|_| v.is_stable());
+        let placed = placed.and_then(|l| flexible.place(&v.modes, still, kinematics, l));
+        if placed.is_none() {
+            now.locked = None;
         }
     }
 
     /// Velocity of a state at the current inputs.
-    fn instant(&self, state: &State) -> Option<Instant> {
+    fn instant(&mut self, state: &State) -> Option<Instant> {
+        if self.vehicle.has_passive_joints() {
+            self.place_state(state);
+        }
         let locked = self.input_state.locked.as_ref()?;
-        match &self.input_state.flexible {
-            Some(flexible) => flexible.motion(locked, state),
-            None => Some(locked.base_motion(&state.rigid).into()),
+        let Some(flexible) = &self.input_state.flexible else {
+            return Some(locked.base_motion(&state.rigid).into());
+        };
+        let instant = flexible.motion(locked, state)?;
+        self.swing(&instant);
+        Some(instant)
+    }
+
+    /// Sets the inputs at grid time k as when a state was evaluated there.
+    fn return_to(&mut self, k: usize, state: &State, instant: &Instant) {
+        self.set_inputs(k, 0.0);
+        if self.vehicle.has_passive_joints() {
+            self.place_state(state);
+            self.swing(instant);
+        }
+    }
+
+    /// Sets the rates of passive joints.
+    fn swing(&mut self, instant: &Instant) {
+        let first = self.vehicle.modes.len();
+        for (i, joint) in self.vehicle.passive.joints().iter().enumerate() {
+            self.input_state.rates[joint.coordinate] = instant.rates[first + i];
         }
     }
 

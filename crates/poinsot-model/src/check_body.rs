@@ -1,7 +1,7 @@
 //! Mass properties: physical, and sufficient to determine every motion.
 
 use crate::check::Check;
-use crate::file::{BodyFile, EstimateFile, InertiaFile, Parameter};
+use crate::file::{BodyFile, InertiaFile, Parameter, Which};
 use crate::finding::{Key, all};
 use crate::vehicle::{Body, EstimateSet, Joint, JointKind, Model};
 use poinsot_files::{list, short};
@@ -16,15 +16,12 @@ const GUESS: f64 = 0.05;
 /// Smallest mass accepted, kg: a nanogram.
 pub(crate) const SMALLEST_MASS: f64 = 1e-12;
 
-fn estimate_set(file: Option<&EstimateFile>) -> EstimateSet {
-    match file {
-        None | Some(EstimateFile::All(false)) => EstimateSet::default(),
-        Some(EstimateFile::All(true)) => EstimateSet::ALL,
-        Some(EstimateFile::Some(list)) => EstimateSet {
-            mass: list.contains(&Parameter::Mass),
-            com: list.contains(&Parameter::Com),
-            inertia: list.contains(&Parameter::Inertia),
-        },
+fn estimate_set(file: Option<&Which<Parameter>>) -> EstimateSet {
+    let asks = |what| Which::asks(file, &what);
+    EstimateSet {
+        mass: asks(Parameter::Mass),
+        com: asks(Parameter::Com),
+        inertia: asks(Parameter::Inertia),
     }
 }
 

@@ -1,9 +1,9 @@
 //! Checks joints: unit axes and proper rotations.
 
 use crate::check::Check;
-use crate::file::{JointFile, SpringDamperFile};
+use crate::file::{JointFile, SpringDamperFile, SpringParameter, Which};
 use crate::finding::{Key, all};
-use crate::vehicle::{Joint, JointKind, SpringDamper};
+use crate::vehicle::{Joint, JointKind, SpringDamper, SpringNumber};
 use poinsot_spatial::Vector3;
 
 impl Check<'_, '_> {
@@ -35,8 +35,15 @@ impl Check<'_, '_> {
             axis_C: axis?,
             locked_at: file.locked_at_rad.or(file.locked_at_m),
             spring_damper: file.spring_damper.as_ref().map(spring_damper),
+            spring_unknown: file.spring_damper.as_ref().map_or_else(Vec::new, unknown),
         })
     }
+}
+
+fn unknown(file: &SpringDamperFile) -> Vec<SpringNumber> {
+    let all = SpringParameter::ALL.into_iter();
+    let asked = all.filter(|(key, _)| Which::asks(file.estimate.as_ref(), key));
+    asked.map(|(_, number)| number).collect()
 }
 
 /// The numbers in the unit of the joint: keys of the other unit have been refused.

@@ -1,7 +1,7 @@
 //! Flexible modes: numbers of each, and that the vehicle can carry them.
 
 use crate::check::Check;
-use crate::file::{ModeEstimateFile, ModeFile, ModeParameter, PanelFile, SlopeFile, TankFile};
+use crate::file::{ModeFile, ModeParameter, PanelFile, SlopeFile, TankFile, Which};
 use crate::finding::{Key, all};
 use crate::vehicle::{FlexibleMode, Mode, ModeEstimate, Model};
 use poinsot_dynamics::propagation::MOST_MODES;
@@ -189,12 +189,8 @@ fn slope_of(at: &Vector3, moved: &Vector3) -> Matrix3 {
     Matrix3::identity() * (2.0 * at.dot(moved)) - at * moved.transpose() - moved * at.transpose()
 }
 
-fn estimate(file: Option<&ModeEstimateFile>) -> ModeEstimate {
-    let has = |what: ModeParameter| match file {
-        None => false,
-        Some(ModeEstimateFile::All(all)) => *all,
-        Some(ModeEstimateFile::Some(list)) => list.contains(&what),
-    };
+fn estimate(file: Option<&Which<ModeParameter>>) -> ModeEstimate {
+    let has = |what| Which::asks(file, &what);
     ModeEstimate {
         frequency: has(ModeParameter::Frequency),
         damping: has(ModeParameter::Damping),

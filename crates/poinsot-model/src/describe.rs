@@ -254,6 +254,14 @@ fn unknown(model: &Model) -> Vec<String> {
         let words = mode.estimate.words();
         out.push(format!("{}: {}", mode.name, words.join(", ")));
     }
+    for joint in model.joints.iter().filter(|j| !j.spring_unknown.is_empty()) {
+        let words: Vec<_> = joint.spring_unknown.iter().map(|n| n.name()).collect();
+        out.push(format!(
+            "{}: {} of its spring",
+            joint.name,
+            words.join(", ")
+        ));
+    }
     for (what, value) in [
         ("linear momentum", model.momentum.linear),
         ("angular momentum", model.momentum.angular),

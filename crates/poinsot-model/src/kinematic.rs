@@ -1,6 +1,7 @@
 //! Converts the checked model to the types of `poinsot-dynamics`.
 
 use crate::vehicle::{Joint, JointKind, Model};
+use poinsot_dynamics::propagation::{PassiveJoint, PassiveJoints};
 use poinsot_dynamics::{Gravity, Link, Motion, Nozzle, Rotor, Tree, Vehicle};
 
 impl From<&Model> for Tree {
@@ -48,6 +49,19 @@ impl From<&Model> for Tree {
             rotors,
             coordinates,
         }
+    }
+}
+
+impl Model {
+    /// The joints that springs move, of which no column measures any.
+    pub fn passive_joints(&self, tree: &Tree) -> PassiveJoints {
+        let joints = tree.coordinates.iter().enumerate();
+        let passive = joints.filter_map(|(coordinate, joint)| {
+            let joint = self.joints.get(*joint).filter(|j| j.is_passive())?;
+            let spring = joint.spring_damper?;
+            Some(PassiveJoint { coordinate, spring })
+        });
+        PassiveJoints::new(tree, passive)
     }
 }
 

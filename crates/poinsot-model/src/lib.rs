@@ -92,8 +92,8 @@ mod write;
 
 pub use describe::*;
 pub use file::{
-    JointFile, ModeEstimateFile, ModeFile, ModeParameter, SlopeFile, SpringDamperFile,
-    ThrusterFile, WheelFile,
+    JointFile, ModeFile, ModeParameter, SlopeFile, SpringDamperFile, SpringParameter, ThrusterFile,
+    WheelFile, Which,
 };
 pub use knowledge::{
     Knowledge, KnownNumber, LIKE_WHEELS, NOMINAL_WITHIN, Origin, Uncertain, across,

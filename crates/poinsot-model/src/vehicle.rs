@@ -1,7 +1,7 @@
 //! The checked vehicle: in SI, names resolved to indices.
 
 use crate::knowledge::{Knowledge, across};
-pub use poinsot_dynamics::propagation::Mode;
+pub use poinsot_dynamics::propagation::{Mode, SpringNumber};
 pub use poinsot_dynamics::{
     Axes, ErrorKey, Nuisance, Orbit, Sensor, SensorKind, SlowError, SpringDamper, printed_unit,
 };
@@ -181,8 +181,10 @@ pub struct Joint {
     pub axis_C: Vector3,
     /// Position at which the joint is locked where telemetry has no column for it, rad or m; `None`: not declared.
     pub locked_at: Option<f64>,
-    /// Spring and damper, if any. Only forward dynamics uses them; identification uses the measured joint motion.
+    /// Spring and damper, if any. They move the joint where no column measures it and no position locks it.
     pub spring_damper: Option<SpringDamper>,
+    /// Which of its numbers are unknown.
+    pub spring_unknown: Vec<SpringNumber>,
 }
 
 impl Joint {
@@ -192,15 +194,9 @@ impl Joint {
         self.locked_at.or(rest).unwrap_or(0.0)
     }
 
-    /// Where a joint without a column stands, rad or m, and the key that says so; `None` where nothing does.
-    pub fn declared_at(&self) -> Option<(f64, &'static str)> {
-        let spring = self.spring_damper.filter(|s| s.stiffness > 0.0);
-        let key = match self.kind {
-            JointKind::Prismatic => "locked_at_m",
-            _ => "locked_at_rad",
-        };
-        let rest = || spring.map(|s| (s.rest, "rest of its spring"));
-        self.locked_at.map(|at| (at, key)).or_else(rest)
+    /// Whether its spring and damper move it, where no column measures it.
+    pub fn is_passive(&self) -> bool {
+        self.spring_damper.is_some() && self.locked_at.is_none()
     }
 }
 

@@ -1,15 +1,15 @@
 //! Writes a checked vehicle as a `poinsot.model/1` file that reads back equal: fills the rows of `file/`.
 
 use crate::file::{
-    BodyFile, EnvironmentFile, EstimateFile, Gravity, InertiaFile, JointFile, ModeEstimateFile,
-    ModeFile, ModeParameter, ModelFile, MomentumFile, MomentumVectorFile, MomentumWord, NamesFile,
-    NoiseFile, NuisanceFile, NuisanceWord, OrbitFile, Parameter, SensorFile, SensorType, Sigmas,
-    SlopeFile, SpringDamperFile, ThrusterFile, WheelFile,
+    BodyFile, EnvironmentFile, Gravity, InertiaFile, JointFile, ModeFile, ModeParameter, ModelFile,
+    MomentumFile, MomentumVectorFile, MomentumWord, NamesFile, NoiseFile, NuisanceFile,
+    NuisanceWord, OrbitFile, Parameter, SensorFile, SensorType, Sigmas, SlopeFile,
+    SpringDamperFile, SpringParameter, ThrusterFile, WheelFile, Which,
 };
 use crate::knowledge::{KnownNumber, Origin};
 use crate::vehicle::{
-    Body, Environment, EstimateSet, FlexibleMode, Joint, JointKind, Model, MomentumKnowledge,
-    Nuisance, Orbit, Sensor, SlowError, SpringDamper, Thruster, Wheel,
+    Body, Environment, FlexibleMode, Joint, JointKind, Model, MomentumKnowledge, Nuisance, Orbit,
+    Sensor, SlowError, SpringDamper, SpringNumber, Thruster, Wheel,
 };
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use poinsot_telemetry::TelemetryMap;
@@ -97,7 +97,6 @@ fn body(body: &Body, uncertainty: Option<Sigmas>) -> BodyFile {
         (Parameter::Com, e.com),
         (Parameter::Inertia, e.inertia),
     ];
-    let asked = asked.into_iter().filter(|(_, on)| *on).map(|(p, _)| p);
     BodyFile {
         name: Some(body.name.clone()),
         mass_kg: Some(body.nominal.mass),
@@ -110,10 +109,7 @@ fn body(body: &Body, uncertainty: Option<Sigmas>) -> BodyFile {
             xz: Some(I[(0, 2)]),
             yz: Some(I[(1, 2)]),
         }),
-        estimate: match e {
-            EstimateSet::ALL => Some(EstimateFile::All(true)),
-            _ => e.any().then(|| EstimateFile::Some(asked.collect())),
-        },
+        estimate: Which::of(asked),
         prior: body.prior,
         uncertainty,
         ..BodyFile::default()
@@ -134,25 +130,35 @@ fn joint(model: &Model, joint: &Joint, uncertainty: Option<Sigmas>) -> JointFile
         axis: (turns || slides).then(|| joint.axis_C.into()),
         locked_at_rad: locked.filter(|_| turns),
         locked_at_m: locked.filter(|_| slides),
-        spring_damper: joint.spring_damper.map(|s| spring_damper(&s, slides)),
+        spring_damper: joint
+            .spring_damper
+            .map(|s| spring_damper(&s, slides, &joint.spring_unknown)),
         uncertainty,
         ..JointFile::default()
     }
 }
 
-fn spring_damper(spring: &SpringDamper, slides: bool) -> SpringDamperFile {
+fn spring_damper(
+    spring: &SpringDamper,
+    slides: bool,
+    unknown: &[SpringNumber],
+) -> SpringDamperFile {
     let (stiffness, damping) = (Some(spring.stiffness), Some(spring.damping));
+    let asked = SpringParameter::ALL.map(|(key, number)| (key, unknown.contains(&number)));
+    let estimate = Which::of(asked);
     match slides {
         true => SpringDamperFile {
             stiffness_N_per_m: stiffness,
             damping_N_s_per_m: damping,
             rest_m: Some(spring.rest),
+            estimate,
             ..SpringDamperFile::default()
         },
         false => SpringDamperFile {
             stiffness_N_m_per_rad: stiffness,
             damping_N_m_s_per_rad: damping,
             rest_rad: Some(spring.rest),
+            estimate,
             ..SpringDamperFile::default()
         },
     }
@@ -199,7 +205,6 @@ fn mode(model: &Model, flexible: &FlexibleMode) -> ModeFile {
         (ModeParameter::Rotation, e.rotation),
         (ModeParameter::InertiaSlope, e.inertia_slope),
     ];
-    let asked: Vec<_> = asked.into_iter().filter(|(_, on)| *on).collect();
     ModeFile {
         name: Some(flexible.name.clone()),
         body: body_name(model, mode.body),
@@ -215,11 +220,7 @@ fn mode(model: &Model, flexible: &FlexibleMode) -> ModeFile {
             xz: Some(S[(0, 2)]),
             yz: Some(S[(1, 2)]),
         }),
-        estimate: match asked.len() {
-            0 => None,
-            5 => Some(ModeEstimateFile::All(true)),
-            _ => Some(ModeEstimateFile::Some(asked.iter().map(|a| a.0).collect())),
-        },
+        estimate: Which::of(asked),
     }
 }
 

@@ -16,7 +16,7 @@ use poinsot_identify::{
     Settings, linear, linear_predicted, maximum_likelihood_predicted, maximum_likelihood_with,
     predicted_by,
 };
-use poinsot_model::{Model, TelemetryMap, read_model, read_model_text, read_telemetry_map};
+use poinsot_model::{Joint, Model, TelemetryMap, read_model, read_model_text, read_telemetry_map};
 use poinsot_papers::{Settings as MethodSettings, answered, identify_by, method};
 use poinsot_telemetry::checks::{self, Check, Finding, Policies, Policy};
 use poinsot_telemetry::{
@@ -587,7 +587,7 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
         pace: Some(&pace),
         ..bound.problem(&model, &tree)
     };
-    refuse_unsupported(&model, question)?;
+    refuse_unsupported(problem.model, question)?;
     let points = (CURVE_POINTS.1 / tables.len().max(1)).clamp(100, CURVE_POINTS.0);
     let predicted = match question.method.as_str() {
         "linear" => linear_predicted(&problem, points),
@@ -670,6 +670,11 @@ fn refuse_unsupported(model: &Model, question: &Question) -> Result<(), Error> {
         ["propellant use", "specific_impulse_s out of the thrusters"]
     } else if !model.modes.is_empty() {
         ["flexible modes", "[[mode]] out of it"]
+    } else if model.joints.iter().any(Joint::is_passive) {
+        [
+            "joints that springs move",
+            "spring_damper out of them and lock them",
+        ]
     } else {
         return Ok(());
     };

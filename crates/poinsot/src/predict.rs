@@ -175,11 +175,14 @@ pub fn predict_case(
     })
 }
 
-/// A joint without command must have a sensor.
+/// A joint without command must have a sensor, or a spring that alone moves it.
 fn refuse_unread(scenario: &Scenario, model: &Model) -> Result<(), Error> {
     let free = free_joints(model, scenario).into_iter();
-    let mut unread = free.filter(|joint| !is_read(model, joint));
-    let Some(Joint { name, .. }) = unread.next() else {
+    let mut unread = free.filter(|(joint, drive)| {
+        let swings = joint.is_passive() && !drive.has_motor();
+        !swings && !is_read(model, joint)
+    });
+    let Some((Joint { name, .. }, _)) = unread.next() else {
         return Ok(());
     };
     Err(unsupported(

@@ -9,7 +9,9 @@ use crate::channel_names::names;
 use crate::error::{Error, no_motion};
 use crate::progress::step;
 use crate::written::{check_outputs, result_json};
-use poinsot_dynamics::{Flight, Halt, MotionError, MotionSample, Tree, Vehicle, WheelUse};
+use poinsot_dynamics::{
+    Flight, Halt, JointDrive, MotionError, MotionSample, Tree, Vehicle, WheelUse,
+};
 use poinsot_files::{Pace, Place, Stage};
 use poinsot_formats::{TruthFile, sha256_of};
 use poinsot_model::{Joint, Model, Nuisance, SensorKind, read_model};
@@ -260,7 +262,7 @@ pub fn simulate_exact_of(
     let mut table = recorded(case, &perfect, None, &scenario, watch)?;
     keep_measured(model, &mut table);
     // Motion by torques and springs is not commanded, so it needs a sensor.
-    for joint in free_joints(model, &scenario) {
+    for (joint, _) in free_joints(model, &scenario) {
         if !is_read(model, joint) {
             let own = joint_channels(joint);
             table.channels.retain(|c| !own.contains(&c.name));
@@ -393,15 +395,18 @@ fn refusal(case: &Case, model: &Model, error: MotionError) -> Error {
     )
 }
 
-/// Joints moved by torques or springs in a case, in model order.
-pub(crate) fn free_joints<'m>(model: &'m Model, scenario: &Scenario) -> Vec<&'m Joint> {
+/// Joints moved by torques or springs in a case, in model order, with what moves them.
+pub(crate) fn free_joints<'m>(
+    model: &'m Model,
+    scenario: &'m Scenario,
+) -> Vec<(&'m Joint, &'m JointDrive)> {
     let tree = Tree::new(model);
     let drives = &scenario.plan.joints;
     tree.coordinates
         .iter()
         .zip(drives)
         .filter(|(_, drive)| drive.is_free())
-        .filter_map(|(k, _)| model.joints.get(*k))
+        .filter_map(|(k, drive)| Some((model.joints.get(*k)?, drive)))
         .collect()
 }
 

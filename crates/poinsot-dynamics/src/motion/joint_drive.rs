@@ -78,6 +78,11 @@ impl JointDrive {
         matches!(self, Self::Force { .. })
     }
 
+    /// Whether a motor moves the joint.
+    pub fn has_motor(&self) -> bool {
+        matches!(self, Self::Force { motor, .. } if *motor != ForceProfile::none())
+    }
+
     /// Position at time zero, rad or m.
     pub(crate) fn first_position(&self) -> f64 {
         match self {

@@ -70,6 +70,11 @@ impl PassiveJoints {
         &self.joints
     }
 
+    /// The spring of one of them.
+    pub fn spring_mut(&mut self, k: usize) -> Option<&mut SpringDamper> {
+        self.joints.get_mut(k).map(|joint| &mut joint.spring)
+    }
+
     /// Which joints carry a body: joint k where bit k is set.
     pub fn over(&self, body: usize) -> u8 {
         self.over.get(body).copied().unwrap_or(0)

@@ -106,6 +106,11 @@ impl<T: Real> LockedVehicle<T> {
         })
     }
 
+    /// Inverse of the inertia that turns with the base.
+    pub(super) fn turned(&self) -> M3<T> {
+        self.inverse.full()
+    }
+
     /// Mass, mass centre and momentum of the joints.
     pub(super) fn parts(&self) -> (T, V3<T>, V3<T>) {
         (self.mass, self.c, self.l_joints)

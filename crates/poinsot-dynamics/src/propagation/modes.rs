@@ -217,7 +217,7 @@ struct Placed {
 }
 
 /// The modes and passive joints of a vehicle at one placement.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Flexibility {
     count: usize,
     /// How many of them are modes.
@@ -225,7 +225,8 @@ pub struct Flexibility {
     of: [Placed; MOST_MODES],
     /// The passive joints.
     hinges: [Hinge; MOST_MODES],
-    /// `G^-1`.
+    /// `G` and `G^-1`.
+    coupling: SMatrix<f64, MOST_MODES, MOST_MODES>,
     inverse: SMatrix<f64, MOST_MODES, MOST_MODES>,
     mass: f64,
     l_joints: Vector3<f64>,
@@ -379,15 +380,27 @@ impl Flexibility {
     /// The same with passive joints; `still` has the vehicle while base and passive joints are at rest.
     pub fn with_joints(
         modes: &[Mode],
-        (passive, still): (&PassiveJoints, &JointSlopes),
+        passive: (&PassiveJoints, &JointSlopes),
         kinematics: &Kinematics,
         locked: &LockedVehicle,
     ) -> Option<Self> {
+        let mut out = Self::default();
+        out.place(modes, passive, kinematics, locked)?;
+        Some(out)
+    }
+
+    /// The same in place.
+    pub fn place(
+        &mut self,
+        modes: &[Mode],
+        (passive, still): (&PassiveJoints, &JointSlopes),
+        kinematics: &Kinematics,
+        locked: &LockedVehicle,
+    ) -> Option<()> {
         let (mass, c, l_joints) = locked.parts();
         let (c, l_joints) = (c.stored(), l_joints.stored());
         let modes = &modes[..modes.len().min(MOST_MODES)];
-        let mut of = [Placed::default(); MOST_MODES];
-        for (out, mode) in of.iter_mut().zip(modes) {
+        for (out, mode) in self.of.iter_mut().zip(modes) {
             let R = kinematics.R[mode.body];
             let arm = kinematics.p[mode.body] - c;
             let (translation, rotation) = (R * mode.translation, R * mode.rotation);
@@ -409,38 +422,38 @@ impl Flexibility {
                 },
             };
         }
-        let (mut hinges, mut count) = ([Hinge::default(); MOST_MODES], modes.len());
-        for (k, (hinge, spring)) in passive.placed(still, kinematics).enumerate() {
-            let Some(out) = of.get_mut(count) else { break };
+        (self.modes, self.count) = (modes.len(), modes.len());
+        for (hinge, spring) in passive.placed(still, kinematics) {
+            let Some(out) = self.of.get_mut(self.count) else {
+                break;
+            };
             let [l, h] = [0, 3].map(|at| hinge.swing.fixed_rows::<3>(at).into_owned());
-            *out = Placed {
-                translation: l,
-                d: h - c.cross(&l),
-                carried: hinge.still() - l.dot(&l_joints) / mass,
-                spring,
-                ..Placed::default()
-            };
-            hinges[k] = hinge;
-            count += 1;
+            out.translation = l;
+            out.d = h - c.cross(&l);
+            out.carried = hinge.still() - l.dot(&l_joints) / mass;
+            out.spring = spring;
+            self.hinges[self.count - self.modes] = hinge;
+            self.count += 1;
         }
-        let own =
-            |i: usize, j: usize| match (i.checked_sub(modes.len()), j.checked_sub(modes.len())) {
-                (Some(i), Some(j)) if i.max(j) < count - modes.len() => {
-                    hinges[i].shared(&hinges[j], (i, j))
-                }
-                _ => f64::from(u8::from(i == j)),
-            };
-        let coupling =
-            SMatrix::from_fn(|i, j| own(i, j) - of[i].translation.dot(&of[j].translation) / mass);
-        Some(Self {
-            count,
-            modes: modes.len(),
-            of,
-            hinges,
-            inverse: Cholesky::new(coupling)?.inverse(),
-            mass,
-            l_joints,
-        })
+        (self.mass, self.l_joints) = (mass, l_joints);
+        self.coupling = SMatrix::identity();
+        for i in 0..self.count {
+            for j in 0..=i {
+                let shared = self.of[i].translation.dot(&self.of[j].translation);
+                let own = self.shared(i, j) - shared / mass;
+                (self.coupling[(i, j)], self.coupling[(j, i)]) = (own, own);
+            }
+        }
+        self.inverse = Cholesky::new(self.coupling)?.inverse();
+        Some(())
+    }
+
+    /// Element of the mass matrix of rates while the base is held.
+    fn shared(&self, i: usize, j: usize) -> f64 {
+        match (i.checked_sub(self.modes), j.checked_sub(self.modes)) {
+            (Some(i), Some(j)) => self.hinges[i].shared(&self.hinges[j], (i, j)),
+            _ => f64::from(u8::from(i == j)),
+        }
     }
 
     fn modes(&self) -> &[Placed] {
@@ -521,6 +534,21 @@ impl Flexibility {
         let rates = free - self.inverse * self.along(&base.twist.w);
         base.twist.v -= self.shifted(&rates) / self.mass;
         Some(FlexibleMotion { base, rates })
+    }
+
+    /// Bound of the frequencies of the passive joints on the free vehicle, rad/s.
+    pub fn fastest(&self, locked: &LockedVehicle) -> f64 {
+        let turning: Matrix3<f64> = locked.turned().stored();
+        let follows = SMatrix::<f64, MOST_MODES, MOST_MODES>::from_fn(|i, j| {
+            self.of[i].d.dot(&(turning * self.of[j].d))
+        });
+        let Some(free) = Cholesky::new(self.coupling - follows) else {
+            return 0.0;
+        };
+        let inverse = free.inverse();
+        let springs = self.of.iter().enumerate().skip(self.modes);
+        let squares = springs.map(|(k, own)| own.spring.stiffness * inverse[(k, k)]);
+        squares.fold(0.0, f64::max).sqrt()
     }
 
     /// Modes at rest without deflection while the base turns, rad/s in B: `p = D^T w + c_y`.
@@ -816,6 +844,17 @@ impl ModeRows {
     /// The same with a number of the internal state.
     pub fn rate_over_internal(&self, number: usize) -> [f64; INTERNAL] {
         self.internal[number]
+    }
+
+    /// Change of the rate of a number of pose, momenta and internal state with another of them, where one of the two is internal.
+    pub fn slope(&self, row: usize, column: usize) -> f64 {
+        match (row.checked_sub(STATE), column.checked_sub(STATE)) {
+            (Some(row), Some(column)) => self.internal[column][row],
+            (Some(row), None) => self.rate_over_state(column)[row],
+            (None, Some(column)) if row < HALF => self.pose[column][row],
+            (None, Some(column)) => self.push[column][row - HALF],
+            (None, None) => 0.0,
+        }
     }
 
     /// Change of the twist with the modes of a column.

@@ -8,6 +8,7 @@ use crate::problem::refusal::{no_motion, wrong_length};
 use crate::problem::segment::{Observations, Segment};
 use crate::problem::{Problem, ProblemError};
 use nalgebra::{DMatrix, DVector};
+use poinsot_model::JointKind;
 use poinsot_solve::BlockQr;
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3, skew};
 
@@ -183,10 +184,9 @@ impl<'a> Evaluator<'a> {
                     unit,
                 }));
             }
-            for mode in &problem.model.modes {
-                let parts = [("amplitude", "kg^0.5 m"), ("momentum", "kg^0.5 m/s")];
+            for (name, parts) in internal_parts(problem) {
                 unknowns.extend(parts.map(|(part, unit)| EvaluatedUnknown {
-                    name: format!("{}.start.{}.{part}", segment.label, mode.name),
+                    name: format!("{}.start.{name}.{part}", segment.label),
                     unit,
                 }));
             }
@@ -403,6 +403,23 @@ fn parts(columns: &InitialStateColumns) -> impl Iterator<Item = (&'static str, &
     .filter_map(|(wanted, part)| wanted.then_some(part))
 }
 
+/// Names of modes and passive joints, with the two parts of the state of each and their units.
+fn internal_parts<'a>(problem: &Problem<'a>) -> Vec<(&'a str, [(&'static str, &'static str); 2])> {
+    let modes = problem.model.modes.iter();
+    let amplitude = [("amplitude", "kg^0.5 m"), ("momentum", "kg^0.5 m/s")];
+    let modes = modes.map(|mode| (mode.name.as_str(), amplitude));
+    let passive = problem.model.passive_joints(problem.tree);
+    let joints = passive.joints().iter().map(|own| {
+        let joint = &problem.model.joints[problem.tree.coordinates[own.coordinate]];
+        let parts = match joint.kind {
+            JointKind::Prismatic => [("position", "m"), ("momentum", "N s")],
+            _ => [("position", "rad"), ("momentum", "N m s")],
+        };
+        (joint.name.as_str(), parts)
+    });
+    modes.chain(joints).collect()
+}
+
 /// Values of the unknown parts of a nominal start.
 fn values(initial_state: &InitialState, columns: &InitialStateColumns) -> Vec<f64> {
     [
@@ -418,7 +435,7 @@ fn values(initial_state: &InitialState, columns: &InitialStateColumns) -> Vec<f6
         initial_state
             .internal
             .iter()
-            .take(2 * columns.modes)
+            .take(2 * columns.internal)
             .copied(),
     )
     .collect()
@@ -433,7 +450,7 @@ fn put(initial_state: &mut InitialState, columns: &InitialStateColumns, values: 
     initial_state.p_NoBo_N = take(columns.position).unwrap_or(initial_state.p_NoBo_N);
     initial_state.P = take(columns.linear).unwrap_or(initial_state.P);
     initial_state.h_SScm_N = take(columns.angular).unwrap_or(initial_state.h_SScm_N);
-    let own = values.iter().skip(columns.count() - 2 * columns.modes);
+    let own = values.iter().skip(columns.count() - 2 * columns.internal);
     let internal = initial_state.internal.iter_mut();
     internal.zip(own).for_each(|(x, value)| *x = *value);
     turn

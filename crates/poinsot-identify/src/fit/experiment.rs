@@ -28,7 +28,8 @@ use crate::problem::shifted_vehicle::ShiftedVehicle;
 use nalgebra::UnitQuaternion;
 use poinsot_dynamics::propagation::{Flexibility, Internal, LockedVehicle, PoseMomentum};
 use poinsot_dynamics::{
-    Kinematics, SensorError, composite, composite_and_momentum, momentum, wheel_momentum,
+    JointSlopes, Kinematics, SensorError, composite, composite_and_momentum, momentum,
+    wheel_momentum,
 };
 use poinsot_files::Faults;
 use poinsot_model::{MomentumKnowledge, Thruster};
@@ -102,7 +103,7 @@ impl<'a> Experiment<'a> {
             unknown: problem
                 .segments
                 .iter()
-                .map(|s| InitialStateColumns::of(s, problem.model, measured_motion))
+                .map(|s| InitialStateColumns::of(s, problem, measured_motion))
                 .collect(),
             measured_motion,
             settings: Settings::default(),
@@ -470,7 +471,11 @@ impl<'a> Experiment<'a> {
         kinematics.set_velocities(tree, &Vector3::zeros(), &Vector3::zeros(), rates);
         let (whole, still) = composite_and_momentum(&bodies, &kinematics);
         let locked = LockedVehicle::new(&whole, &whole, &still);
-        let flexible = locked.and_then(|l| Flexibility::new(&vehicle.modes, &kinematics, &l));
+        let mut at_rest = JointSlopes::default();
+        at_rest.fill(tree, &bodies, &kinematics, &vehicle.spin, speeds);
+        let placed = (&vehicle.passive, &at_rest);
+        let place = |l| Flexibility::with_joints(&vehicle.modes, placed, &kinematics, &l);
+        let flexible = locked.and_then(place);
         InitialState {
             rigid,
             internal: flexible.map_or_else(Internal::zeros, |f| f.at_rest(&w)),

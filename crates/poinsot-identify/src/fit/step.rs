@@ -380,7 +380,7 @@ pub(crate) fn moved(
             new.p_NoBo_N += take(unknown.position);
             new.P += take(unknown.linear);
             new.h_SScm_N += take(unknown.angular);
-            let own = d.iter().skip(unknown.count() - 2 * unknown.modes);
+            let own = d.iter().skip(unknown.count() - 2 * unknown.internal);
             new.internal.iter_mut().zip(own).for_each(|(x, d)| *x += d);
             new
         })

@@ -117,7 +117,7 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
         let (mut state, _) = start(
             initial_state,
             InitialStateColumns {
-                modes: 0,
+                internal: 0,
                 attitude: false,
                 position: false,
                 linear: false,

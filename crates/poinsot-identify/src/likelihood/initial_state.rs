@@ -3,6 +3,7 @@
 use crate::motion::Column;
 /// Pose and momentum at the first grid time; angular momentum about the system's mass centre, all in N.
 pub(crate) use crate::motion::State as InitialState;
+use crate::problem::Problem;
 use crate::problem::segment::{Segment, SensorRecord};
 use poinsot_dynamics::propagation::STATE;
 use poinsot_model::{MomentumKnowledge, SensorKind};
@@ -14,20 +15,16 @@ pub(crate) struct InitialStateColumns {
     pub position: bool,
     pub linear: bool,
     pub angular: bool,
-    /// Number of modes, whose amplitudes and momenta are unknown.
-    pub modes: usize,
+    /// Number of modes and passive joints, whose amplitudes and momenta are unknown.
+    pub internal: usize,
 }
 
 impl InitialStateColumns {
     /// Unknown initial state of a segment: an unmeasured pose is the choice of the frame.
     ///
     /// One that is taken as exact is known, at its first sample.
-    pub fn of(
-        segment: &Segment,
-        model: &poinsot_model::Model,
-        measured_motion: MeasuredMotion,
-    ) -> Self {
-        let (o, momentum, modes) = (&segment.observations, &model.momentum, model.modes.len());
+    pub fn of(segment: &Segment, problem: &Problem, measured_motion: MeasuredMotion) -> Self {
+        let (o, momentum) = (&segment.observations, &problem.model.momentum);
         let seen = measured_motion == MeasuredMotion::Translation;
         let noisy = |kind| !o.of_kind(kind).any(SensorRecord::is_exact);
         Self {
@@ -39,7 +36,7 @@ impl InitialStateColumns {
             position: seen && o.reads(SensorKind::Position) && noisy(SensorKind::Position),
             linear: seen && momentum.linear == MomentumKnowledge::Estimate,
             angular: momentum.angular == MomentumKnowledge::Estimate,
-            modes,
+            internal: problem.internal_states(),
         }
     }
 
@@ -49,7 +46,7 @@ impl InitialStateColumns {
             .iter()
             .map(|b| 3 * usize::from(*b))
             .sum::<usize>()
-            + 2 * self.modes
+            + 2 * self.internal
     }
 
     /// First column of the linear and of the angular momentum.
@@ -92,7 +89,7 @@ pub(crate) fn start(
             columns.push(column);
         }
     }
-    for number in 0..2 * unknown.modes {
+    for number in 0..2 * unknown.internal {
         let mut column = Column::zeros();
         column[STATE + number] = 1.0;
         columns.push(column);

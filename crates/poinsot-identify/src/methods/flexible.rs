@@ -165,7 +165,7 @@ fn is_asked(problem: &Problem, settings: Settings, rigid: &FinishedFit) -> bool 
     };
     settings.modes == Modes::Found
         && !settings.undiagnosed
-        && problem.model.modes.is_empty()
+        && problem.internal_states() == 0
         && rigid.solution.fit.iter().any(coloured)
         && !problem.sees_points()
         && own.found

@@ -28,7 +28,8 @@ impl Rates<State> for WithinStep<'_, '_> {
             std::mem::swap(&mut motion.input_state, &mut motion.middle);
             motion.set_inputs(self.k, self.to);
         }
-        Some(motion.rate(state, &motion.instant(state)?, self.k))
+        let instant = motion.instant(state)?;
+        Some(motion.rate(state, &instant, self.k))
     }
 }
 

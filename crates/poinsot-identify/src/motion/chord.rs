@@ -82,7 +82,7 @@ impl Motion<'_> {
         let gain = gain.fold(0.0, f64::max);
         let mut error = 1.0;
         for _ in 0..PASSES {
-            self.set_inputs(k, 0.0);
+            self.return_to(k, &start.state, &start.instant);
             self.keep(EvaluatedState {
                 at: (k, 0.0),
                 state: start.state,
@@ -104,7 +104,7 @@ impl Motion<'_> {
             }
         }
         self.columns = columns;
-        self.set_inputs(k, 0.0);
+        self.return_to(k, &start.state, &start.instant);
         self.evaluated = Some(start);
         Some(())
     }

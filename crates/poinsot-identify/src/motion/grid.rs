@@ -6,9 +6,13 @@
 use super::steps::Grid;
 use super::vehicle::Vehicle;
 use crate::problem::segment::{Observations, SensorValue};
-use poinsot_dynamics::{Composite, Kinematics, Motion as Joint, Tree, composite, wheel_momentum};
+use poinsot_dynamics::propagation::{Flexibility, LockedVehicle};
+use poinsot_dynamics::{
+    Composite, JointSlopes, Kinematics, Motion as Joint, Tree, composite, composite_and_momentum,
+    wheel_momentum,
+};
 use poinsot_model::SensorKind;
-use poinsot_spatial::{Matrix3, Vector3};
+use poinsot_spatial::{Matrix3, Vector3, Vector6};
 
 /// Largest turn of base and joints in a step, rad.
 pub(super) const TURN: f64 = 0.02;
@@ -67,7 +71,8 @@ impl Frequencies {
         let length = gyration(&whole);
         let base = measured_rate(o);
         let modes = vehicle.modes.iter().map(|m| m.frequency_Hz);
-        let modes = OSCILLATION * std::f64::consts::TAU * modes.fold(0.0, f64::max);
+        let modes = std::f64::consts::TAU * modes.fold(0.0, f64::max);
+        let modes = OSCILLATION * modes.max(swing(vehicle, &kinematics));
         let mut all = Self {
             turn: Vec::with_capacity(base.len()),
             nutation: Vec::with_capacity(base.len()),
@@ -90,6 +95,24 @@ impl Frequencies {
         }
         all
     }
+}
+
+/// Frequency of the fastest passive joint where the joints are placed, rad/s.
+fn swing(vehicle: &Vehicle, kinematics: &Kinematics) -> f64 {
+    if !vehicle.has_passive_joints() {
+        return 0.0;
+    }
+    let (whole, _) = composite_and_momentum(&vehicle.bodies, kinematics);
+    let (mut still, speeds) = (JointSlopes::default(), vec![0.0; vehicle.spin.len()]);
+    let tree = vehicle.tree;
+    still.fill(tree, &vehicle.bodies, kinematics, &vehicle.spin, &speeds);
+    let locked = LockedVehicle::new(&whole, &whole, &Vector6::zeros());
+    let placed = (&vehicle.passive, &still);
+    let frequency = |locked: LockedVehicle| {
+        let flexible = Flexibility::with_joints(&[], placed, kinematics, &locked)?;
+        Some(finite(flexible.fastest(&locked)))
+    };
+    locked.and_then(frequency).unwrap_or(0.0)
 }
 
 fn finite(x: f64) -> f64 {

@@ -37,12 +37,31 @@ use crate::motion::{Column, Instant, Matrix6x12, Motion, State, matrix, pose_cha
 use crate::problem::error_process::{ErrorProcess, ErrorStep};
 use crate::problem::segment::{InputErrors, Noise, Observations, Segment, SensorRecord};
 use filter::Filter;
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::{DMatrix, Matrix2, Vector2};
+use poinsot_dynamics::propagation::{FlexibleChange, INTERNAL, ModeRows, STATE};
 use poinsot_dynamics::{JointSlopes, SlowError};
 use poinsot_model::{RandomTorque, SensorKind};
 use poinsot_spatial::{Matrix3, Vector3, Vector6};
 use smoother::KnownError;
 use sparse::SparseRows;
+
+/// Terms of the exponential of a part of an interval, and how many times the parts are halved further.
+const TERMS: u32 = 6;
+const FINER: i32 = 3;
+
+/// Pose of a column.
+fn pose_of(x: &Column) -> Vector6 {
+    x.fixed_rows::<6>(0).into()
+}
+
+/// Adds what the internal state of `x` does to the rates, and what its pose does to that of the internal state.
+fn add_internal(modes: &ModeRows, x: &Column, out: &mut Column) {
+    for (column, size) in x.iter().enumerate().filter(|(_, size)| **size != 0.0) {
+        for (row, sum) in out.iter_mut().enumerate() {
+            *sum += modes.slope(row, column) * size;
+        }
+    }
+}
 
 /// An input with noise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -89,10 +108,12 @@ impl Memory {
 struct DynamicsJacobian {
     /// Upper half of `A`: the pose's.
     pose: Matrix6x12,
-    /// `L` per input: it reaches the pose alone.
-    at_once: Vec<Vector6>,
-    /// Upper half of `A L + D` per input.
-    drive: Vec<Vector6>,
+    /// The rows of modes and passive joints, where there are any.
+    modes: Option<Box<ModeRows>>,
+    /// `L` per input: it reaches pose and internal state.
+    at_once: Vec<Column>,
+    /// Upper half of `A L + D` per input, and its internal part.
+    drive: Vec<Column>,
     /// Lower halves of `A` and `D` in the interval that begins here; of `D` nothing where no external force or torque acts.
     push: (Matrix6x12, Vec<Vector6>),
 }
@@ -117,6 +138,8 @@ pub(crate) struct FilterSetting<'a> {
     pub rest_motion: f64,
     /// Whether external forces or torques act.
     pub forced: bool,
+    /// Number of modes and passive joints.
+    pub internal: usize,
     /// Number of sequences that go through the filter: sensitivities and residual.
     pub followed: usize,
     /// Whether a backward pass follows.
@@ -214,6 +237,7 @@ impl InputNoise {
             segment,
             rest_motion,
             forced,
+            internal,
             followed,
             records,
         } = of;
@@ -243,6 +267,10 @@ impl InputNoise {
             (_, true, false) => (0..6).collect(),
             (_, true, true) => (0..12).collect(),
         };
+        let mut active: Vec<usize> = active;
+        if !active.is_empty() {
+            active.extend(STATE..STATE + 2 * internal);
+        }
         let reach = match inputs.is_empty() {
             true => 0,
             false => usize::from(o.reads(SensorKind::Accelerometer)),
@@ -391,8 +419,9 @@ impl InputNoise {
         if self.is_silent() {
             return;
         }
-        let map = motion.state_map(state, instant);
         let mut now = self.scratch.jacobian.take().unwrap_or_default();
+        let map;
+        (map, now.pose, now.modes) = motion.slopes(state, instant);
         self.slopes_at(motion, (state, k), instant, &map, &mut now);
         match self.before.take() {
             None => {
@@ -405,13 +434,21 @@ impl InputNoise {
                 self.scratch.jacobian = Some(before);
             }
         }
-        for (twist, &at) in self.twists.iter_mut().zip(&self.active) {
-            *twist = map.column(at).into();
+        let turned = |x: &Column| {
+            now.modes
+                .as_ref()
+                .map_or_else(Vector6::zeros, |m| m.twist_times(x))
+        };
+        for (c, &at) in self.active.iter().enumerate() {
+            self.twists[c] = match at < STATE {
+                true => map.column(at).into(),
+                false => turned(&self.columns[c]),
+            };
         }
         for (c, at_once) in now.at_once.iter().enumerate() {
             let at = self.place(c, 0);
-            self.columns[at].fixed_rows_mut::<6>(0).copy_from(at_once);
-            self.twists[at] += map.fixed_view::<6, 6>(0, 0) * at_once;
+            self.columns[at] = *at_once;
+            self.twists[at] += map.fixed_view::<6, 6>(0, 0) * pose_of(at_once) + turned(at_once);
         }
         self.before = Some(now);
     }
@@ -427,9 +464,9 @@ impl InputNoise {
     ) {
         let R = matrix(&state.R_NB);
         self.twists.fill(Vector6::zeros());
-        out.pose = motion.pose_slopes(state, instant);
         let DynamicsJacobian {
             pose,
+            modes,
             at_once,
             drive,
             push,
@@ -438,38 +475,56 @@ impl InputNoise {
         drive.clear();
         push.1.clear();
         for (c, (input, _)) in self.inputs.iter().enumerate() {
+            let at = (state, instant);
             let (position, rate) = match input {
                 Input::Joint(j) => {
                     let slope = &self.slopes.of[*j];
                     let dc = slope.first_moment / instant.centre.mass;
                     let change = instant.twist_slope(&slope.position, &dc);
-                    (change, self.rate_gain[*j])
+                    let rate = &self.rate_gain[*j];
+                    (
+                        motion.followed(at, &change, Some((*j, [1.0, 0.0]))),
+                        motion.followed(at, rate, Some((*j, [0.0, 1.0]))),
+                    )
                 }
                 Input::Wheel(w) => {
                     let gain = motion.wheel_gain(instant, *w) * self.share(c, k);
-                    (gain, Vector6::zeros())
+                    let none = FlexibleChange::of_twist(Vector6::zeros());
+                    (motion.followed(at, &gain, None), none)
                 }
                 Input::WheelSlope => {
-                    at_once.push(Vector6::zeros());
-                    drive.push(Vector6::zeros());
+                    at_once.push(Column::zeros());
+                    drive.push(Column::zeros());
                     continue;
                 }
                 Input::Rate(j) => {
                     // Positions alone drive: an interval's mean rate is that of its ends.
-                    at_once.push(Vector6::zeros());
-                    drive.push(Vector6::zeros());
+                    at_once.push(Column::zeros());
+                    drive.push(Column::zeros());
                     let at = self.place(c, 0);
                     self.twists[at] = self.rate_gain[*j];
                     continue;
                 }
             };
             let at = self.place(c, 0);
-            self.twists[at] = position;
-            let once = pose_change(&R, &rate);
-            let mut slow = pose_change(&R, &position);
-            if rate != Vector6::zeros() {
-                // Only attitude and place follow at once.
-                slow += pose.fixed_view::<6, 6>(0, 0) * once;
+            self.twists[at] = position.twist;
+            let column = |change: &FlexibleChange| {
+                let mut out = Column::zeros();
+                let pose = pose_change(&R, &change.twist);
+                out.fixed_rows_mut::<6>(0).copy_from(&pose);
+                let internal = motion.mode_rates(instant, change);
+                out.fixed_rows_mut::<INTERNAL>(STATE).copy_from(&internal);
+                out
+            };
+            let (once, mut slow) = (column(&rate), column(&position));
+            if rate.twist != Vector6::zeros() {
+                // Only attitude, place and internal state follow at once.
+                let turned = pose.fixed_view::<6, 6>(0, 0) * pose_of(&once);
+                slow.fixed_rows_mut::<6>(0)
+                    .zip_apply(&turned, |a, b| *a += b);
+                if let Some(modes) = modes {
+                    add_internal(modes, &once, &mut slow);
+                }
             }
             at_once.push(once);
             drive.push(slow);
@@ -595,9 +650,17 @@ impl InputNoise {
         let stride = self.filter.stride();
         let pose = (before.pose + now.pose) * 0.5;
         let (lower, pushed_by) = &before.push;
-        let A = |row: usize, column: usize| match row.checked_sub(6) {
-            None => pose[(row, column)],
-            Some(row) => lower[(row, column)],
+        let ends = before.modes.as_deref().zip(now.modes.as_deref());
+        let A = |row: usize, column: usize| match (row, ends) {
+            (STATE.., Some((begin, end))) => {
+                0.5 * (begin.slope(row, column) + end.slope(row, column))
+            }
+            (6..STATE, Some((begin, _))) if column >= STATE => begin.slope(row, column),
+            (_, Some((begin, end))) if column >= STATE => {
+                0.5 * (begin.slope(row, column) + end.slope(row, column))
+            }
+            (6.., _) => lower[(row - 6, column)],
+            _ => pose[(row, column)],
         };
         let StepScratch {
             mut upper,
@@ -612,16 +675,22 @@ impl InputNoise {
         upper.clear();
         upper.resize(n * stride, 0.0);
         fresh.clear();
-        self.state_rows(&A, h, &mut upper);
+        match ends {
+            None => self.state_rows(&A, h, &mut upper),
+            Some(_) => self.swinging_rows(&A, h, &mut upper),
+        }
         self.torque_rows(&A, h, &mut upper, &mut torque);
         for (c, memory) in self.memory.iter().enumerate() {
             let turn = (now.at_once[c] - before.at_once[c]) * 0.5;
             let ends = [before, now].map(|s| {
                 let slow = s.drive[c] * (0.5 * h) - turn;
                 let pushed = pushed_by.get(c).map_or_else(Vector6::zeros, |drive| {
-                    (lower.fixed_view::<6, 6>(0, 0) * s.at_once[c] + drive) * (0.5 * h)
+                    (lower.fixed_view::<6, 6>(0, 0) * pose_of(&s.at_once[c]) + drive) * (0.5 * h)
                 });
-                move |row: usize| if row < 6 { slow[row] } else { pushed[row - 6] }
+                move |row: usize| match row {
+                    6..STATE => pushed[row - 6] + slow[row],
+                    _ => slow[row],
+                }
             });
             let here = self.place(c, 0);
             let pair = memory.pair().and_then(|p| p.steps.get(k - 1));
@@ -664,6 +733,26 @@ impl InputNoise {
                 let through = self.active.iter().map(|&k| A(row, k) * A(k, column));
                 upper[i * stride + j] =
                     own + h * A(row, column) + 0.5 * h * h * through.sum::<f64>();
+            }
+        }
+    }
+
+    /// The same of a vehicle that oscillates within an interval: the exponential, of a part of it that is squared until it is whole.
+    fn swinging_rows(&self, A: &impl Fn(usize, usize) -> f64, h: f64, upper: &mut [f64]) {
+        let (n, stride) = (self.active.len(), self.filter.stride());
+        let A = DMatrix::from_fn(n, n, |i, j| h * A(self.active[i], self.active[j]));
+        let powers = A.norm().log2().ceil().max(0.0) as i32 + FINER;
+        let part = A * 0.5_f64.powi(powers);
+        let mut whole = DMatrix::identity(n, n);
+        for k in (1..=TERMS).rev() {
+            whole = DMatrix::identity(n, n) + &part * whole / f64::from(k);
+        }
+        for _ in 0..powers {
+            whole = &whole * &whole;
+        }
+        for i in 0..n {
+            for j in 0..n {
+                upper[i * stride + j] = whole[(i, j)];
             }
         }
     }

@@ -33,16 +33,8 @@ impl Motion<'_> {
         );
     }
 
-    /// Change of the base twist with the twelve components of a change of the state: `H^-1 d[l; h]`.
-    pub fn state_map(&self, state: &State, instant: &Instant) -> Matrix6x12 {
-        match self.variation(state) {
-            Some(variation) => variation.map.matrix(),
-            None => instant.twist_rows(state).matrix(),
-        }
-    }
-
     /// Slopes of `P'` and `h'` over the state in the interval after grid time k: six rows. Force and torque turn with
-    /// the base; `map` is [`Self::state_map`].
+    /// the base; `map` is the first of [`Self::slopes`].
     pub fn wrench_slopes(
         &self,
         state: &State,

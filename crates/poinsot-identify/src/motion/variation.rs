@@ -10,7 +10,7 @@
 use super::{Column, Instant, Matrix6x12, Motion, State, matrix, pose_change};
 use crate::problem::parameters::UnknownKind;
 use poinsot_dynamics::propagation::{
-    BodyChange, ColumnDrives, Flexibility, FlexibleChange, Internal, ModeNumber, ModeRows,
+    BodyChange, ColumnDrives, Flexibility, FlexibleChange, Internal, ModeNumber, ModeRows, OneBody,
     StateRows, StepRows,
 };
 use poinsot_dynamics::{body_regressor, wheel_regressor};
@@ -218,11 +218,7 @@ impl Motion<'_> {
         out.chord_internal.clear();
         for wheel in wheels {
             let gain = self.wheel_gain(instant, wheel);
-            let at = (instant, &state.internal);
-            let change = match &self.input_state.flexible {
-                Some(flexible) => flexible.with_bodies(at, &gain, &BodyChange::default()),
-                None => FlexibleChange::of_twist(gain),
-            };
+            let change = self.followed((state, instant), &gain, None);
             out.chord.push(pose_change(&R, &change.twist));
             out.chord_internal.push(self.mode_rates(instant, &change));
         }
@@ -239,17 +235,21 @@ impl Motion<'_> {
         flexible.rows(instant, &state.rigid, (&mut out.map, rows), &force);
         for (unknown, twist) in out.twists.iter_mut().enumerate() {
             let (mut push, mut lighter) = (None, 0.0);
+            let at = (instant, &state.internal);
             let change = match &self.vehicle.kinds[unknown] {
+                UnknownKind::Spring(k, number) => {
+                    push = Some(flexible.with_spring(at, (*k, *number)));
+                    FlexibleChange::of_twist(Vector6::zeros())
+                }
                 UnknownKind::Mode(k, number) => {
-                    let at = (instant, &state.internal);
                     let (change, own) = flexible.with_number(at, (*k, *number), &force);
                     push = Some((2 * k + 1, own));
                     change
                 }
                 _ => {
-                    let of = self.body_change(unknown, instant);
+                    let of = self.body_change(flexible, unknown, instant, &force);
                     lighter = -of.dm / instant.centre.mass;
-                    flexible.with_bodies((instant, &state.internal), twist, &of)
+                    flexible.with_bodies(at, twist, &of)
                 }
             };
             *twist = change.twist;
@@ -261,42 +261,92 @@ impl Motion<'_> {
         }
     }
 
-    /// What an unknown does to the bodies, at the velocities set last.
-    fn body_change(&self, unknown: usize, instant: &Instant) -> BodyChange {
+    /// What an unknown does to the bodies and joints, at the velocities set last.
+    fn body_change(
+        &self,
+        flexible: &Flexibility,
+        unknown: usize,
+        instant: &Instant,
+        force: &Vector3,
+    ) -> BodyChange {
+        let (v, now) = (self.vehicle, &self.input_state);
         let factor = self.slope_factor(unknown);
-        let k = &self.input_state.kinematics;
         let mut of = BodyChange {
             dc: self.mass_centre_change((unknown, factor), instant),
             ..BodyChange::default()
         };
-        for &(at, slope) in &self.vehicle.slopes[unknown] {
+        for &(at, slope) in &v.slopes[unknown] {
             let (body, size) = (at / 10, slope * factor);
-            let turn = k.w[body] - k.w[0];
-            match at % 10 {
-                0 => {
-                    of.dm += size;
-                    of.dl_joints += (k.v[body] - k.v[0] - k.w[0].cross(&k.p[body])) * size;
-                }
-                axis @ 1..=3 => of.dl_joints += turn.cross(&k.R[body].column(axis - 1)) * size,
-                _ => {}
-            }
+            let (R, p) = (&now.kinematics.R[body], &now.kinematics.p[body]);
+            let (dm, dmc) = match at % 10 {
+                0 => (size, p * size),
+                axis @ 1..=3 => (0.0, R.column(axis - 1) * size),
+                _ => (0.0, Vector3::zeros()),
+            };
+            of.dm += dm;
+            let own = OneBody {
+                over: v.passive.over(body),
+                momentum: Vector6::from(self.regressor.as_flattened()[at]) * size,
+                dm,
+                dmc,
+            };
+            flexible.add_body(instant, (&mut of.held, &own), force);
+        }
+        for change in now.changes.iter().filter(|c| c.unknown == unknown) {
+            let Some((joint, dq, drate)) = change.joint else {
+                continue;
+            };
+            of.dc += now.joint_slopes.of[joint].first_moment * (dq / instant.centre.mass);
+            let held = (&mut of.held, &now.hinges[joint]);
+            flexible.add_joint(instant, held, [dq, drate], force);
         }
         of
     }
 
     /// Change of the modes' rates with a change of the motion.
-    fn mode_rates(&self, instant: &Instant, change: &FlexibleChange) -> Internal {
+    pub fn mode_rates(&self, instant: &Instant, change: &FlexibleChange) -> Internal {
         let flexible = self.input_state.flexible.as_ref();
         flexible.map_or_else(Internal::zeros, |f| {
             f.rate_change(instant, change, &Vector3::zeros())
         })
     }
 
-    /// Slopes of the pose's rate over the state: the upper half of `A`.
-    pub fn pose_slopes(&self, state: &State, instant: &Instant) -> Matrix6x12 {
-        let here = self.variation(state).map(|variation| variation.pose);
-        let rows = here.unwrap_or_else(|| instant.pose_rows(state, &instant.twist_rows(state)));
-        rows.matrix()
+    /// Slopes of twist and pose's rate over the state, the upper half of `A`, and the rows of the modes where there are any.
+    pub fn slopes(
+        &self,
+        state: &State,
+        instant: &Instant,
+    ) -> (Matrix6x12, Matrix6x12, Option<Box<ModeRows>>) {
+        if let Some(here) = self.variation(state) {
+            return (here.map.matrix(), here.pose.matrix(), here.modes.clone());
+        }
+        let mut map = instant.twist_rows(state);
+        let modes = self.input_state.flexible.as_ref().map(|flexible| {
+            let mut rows = Box::<ModeRows>::default();
+            let force = self.force_now(instant);
+            flexible.rows(instant, &state.rigid, (&mut map, &mut rows), &force);
+            rows
+        });
+        (map.matrix(), instant.pose_rows(state, &map).matrix(), modes)
+    }
+
+    /// The change of a motion with a change of the twist that joints or wheels make; `joint` moves by `[position, rate]`.
+    pub fn followed(
+        &self,
+        (state, instant): (&State, &Instant),
+        twist: &Vector6,
+        joint: Option<(usize, [f64; 2])>,
+    ) -> FlexibleChange {
+        let now = &self.input_state;
+        let Some(flexible) = &now.flexible else {
+            return FlexibleChange::of_twist(*twist);
+        };
+        let mut of = BodyChange::default();
+        if let Some((joint, by)) = joint {
+            let held = (&mut of.held, &now.hinges[joint]);
+            flexible.add_joint(instant, held, by, &self.force_now(instant));
+        }
+        flexible.with_bodies((instant, &state.internal), twist, &of)
     }
 
     /// The equation where the last velocity was taken, if it was at this state.

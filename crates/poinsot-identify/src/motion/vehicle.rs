@@ -6,7 +6,7 @@ use super::virtual_joints::{VirtualJoint, virtual_joints};
 use crate::motion::input_curves::InputCurves;
 use crate::problem::parameters::{Parameters, UnknownKind};
 use crate::problem::segment::{Firing, Observations, Segment};
-use poinsot_dynamics::propagation::Mode;
+use poinsot_dynamics::propagation::{Mode, PassiveJoints};
 use poinsot_dynamics::{Propellant, SubtreeMotion, Tree};
 use poinsot_model::Thruster;
 use poinsot_spatial::{InertialParameters, Vector3};
@@ -22,6 +22,8 @@ pub(crate) struct Vehicle<'a> {
     pub spin: Vec<f64>,
     /// Flexible modes of the bodies.
     pub modes: Vec<Mode>,
+    /// Joints that springs move.
+    pub passive: PassiveJoints,
     /// Factor on each thruster's declared force.
     pub thrust_factor: Vec<f64>,
     /// How unknowns move the barycentric parameters.
@@ -108,6 +110,7 @@ impl<'a> Vehicle<'a> {
             segment: 0,
             bodies: parameters.bodies(x),
             modes: parameters.modes_at(x),
+            passive: parameters.passive_at(x),
             spin,
             thrust_factor,
             slopes: parameters.slopes(x),
@@ -161,10 +164,21 @@ impl<'a> Vehicle<'a> {
         self.propellant.iter().any(Option::is_some) || self.kinds.iter().any(|k| k.lost().is_some())
     }
 
-    /// Whether every mode has a frequency.
-    pub fn has_stable_modes(&self) -> bool {
-        let mut modes = self.modes.iter();
+    /// Whether its state goes beyond pose and momentum.
+    pub fn is_flexible(&self) -> bool {
+        !self.modes.is_empty() || self.has_passive_joints()
+    }
+
+    /// Whether its placement is part of its state.
+    pub fn has_passive_joints(&self) -> bool {
+        !self.passive.joints().is_empty()
+    }
+
+    /// Whether every mode has a frequency, and no spring pushes.
+    pub fn is_stable(&self) -> bool {
+        let (mut modes, mut joints) = (self.modes.iter(), self.passive.joints().iter());
         modes.all(|m| m.frequency_Hz > 0.0 && m.damping_ratio.abs() < 1.0)
+            && joints.all(|j| j.spring.stiffness >= 0.0)
     }
 
     /// Whether external torques depend on attitude or motion.

@@ -11,7 +11,7 @@ pub use registry::{KnownUnknown, UnknownKind};
 pub use sensor_errors::ErrorGroup;
 
 use crate::problem::refusal;
-use poinsot_dynamics::propagation::Mode;
+use poinsot_dynamics::propagation::{Mode, PassiveJoints};
 use poinsot_dynamics::{Kinematics, Tree, composite};
 use poinsot_files::Faults;
 use poinsot_model::{EstimateSet, Model, Nuisance};
@@ -71,6 +71,8 @@ pub struct Parameters {
     pub gm: Option<f64>,
     /// Nominal modes.
     pub modes: Vec<Mode>,
+    /// Joints that nominal springs move.
+    pub passive: PassiveJoints,
 }
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -138,6 +140,7 @@ impl Parameters {
             wheel_axes: wheel_axes(model),
             gm: gradient_gm(model),
             modes: model.modes.iter().map(|m| m.mode).collect(),
+            passive: model.passive_joints(tree),
         }
     }
 
@@ -151,7 +154,7 @@ impl Parameters {
         let mut out = self.clone();
         (out.known, out.nominal) = (other.known, other.nominal);
         out.nominal_properties = other.nominal_properties;
-        out.modes = other.modes;
+        (out.modes, out.passive) = (other.modes, other.passive);
         // Tilts stay about the directions of the nominal vehicle.
         let axes = out.wheel_axes.iter_mut().zip(other.wheel_axes);
         axes.for_each(|(own, new)| own.0 = new.0);
@@ -363,6 +366,19 @@ impl Parameters {
             }
         }
         modes
+    }
+
+    /// The passive joints for values of the unknowns.
+    pub fn passive_at(&self, x: &[f64]) -> PassiveJoints {
+        let mut passive = self.passive.clone();
+        for (unknown, value) in self.unknowns.iter().zip(x) {
+            if let UnknownKind::Spring(k, number) = unknown.kind
+                && let Some(spring) = passive.spring_mut(k)
+            {
+                *number.of(spring) = *value;
+            }
+        }
+        passive
     }
 
     /// How each unknown moves the barycentric parameters at `x`: pairs of index `10 body + k` and slope.

@@ -4,6 +4,7 @@ use crate::problem::parameters::{Equations, Parameters, Registry};
 use crate::problem::refusal::{self, NO_VELOCITY, too_few_samples, too_many};
 use crate::problem::segment::{Noise, Observations, Segment};
 use poinsot_dynamics::Tree;
+use poinsot_dynamics::propagation::MOST_MODES;
 use poinsot_files::{Faults, Pace};
 use poinsot_model::{JointKind, Model};
 
@@ -74,16 +75,23 @@ impl Problem<'_> {
         self.segments.iter().any(|s| unknown(&s.observations))
     }
 
+    /// Number of modes and passive joints.
+    pub(crate) fn internal_states(&self) -> usize {
+        self.model.modes.len() + self.model.passive_joints(self.tree).joints().len()
+    }
+
     /// Whether an instrument at a point (accelerometer, velocity increments) has readings.
     pub(crate) fn sees_points(&self) -> bool {
         self.segments.iter().any(|s| s.observations.reads_points())
     }
 
-    /// Whether flexible modes can be identified, those of the model.
+    /// Whether flexible modes and passive joints can be identified, those of the model.
     ///
     /// # Errors
-    /// E0408: one is on a body that joints move, or beside an accelerometer.
+    /// E0408: a mode is on a body that joints move, or beside an accelerometer; a passive joint is beside a mode, an accelerometer or
+    /// a gravity gradient, or carries a sensor, wheel or thruster.
     pub(crate) fn check_modes(&self) -> Result<(), Faults> {
+        self.check_passive_joints()?;
         for own in &self.model.modes {
             if self.moves_on_base(own.mode.body) {
                 let advice = "declare it on the base or on a body that is fixed to it";
@@ -99,6 +107,73 @@ impl Problem<'_> {
             }
         }
         Ok(())
+    }
+
+    fn check_passive_joints(&self) -> Result<(), Faults> {
+        let (model, passive) = (self.model, self.model.passive_joints(self.tree));
+        let Some(first) = passive.joints().first() else {
+            return Ok(());
+        };
+        let carried = |body: usize| passive.over(body) != 0;
+        let mut sensors = model.sensors.iter().filter(|s| !s.kind.is_scalar());
+        let sensor = sensors.find(|s| carried(s.body) || carried(s.seen_from));
+        let wheel = model.wheels.iter().find(|w| carried(w.body));
+        let thruster = model.thrusters.iter().find(|t| carried(t.body));
+        let loses_mass = model.thrusters.iter().any(|t| t.propellant.is_some());
+        let springs = model.joints.iter().filter(|j| j.is_passive()).count();
+        let found = [
+            (
+                !model.modes.is_empty(),
+                "flexible modes",
+                "declare all as passive joints, or all as modes",
+            ),
+            (
+                self.sees_points(),
+                "an accelerometer",
+                "take accelerometers and velocity increments out of the map",
+            ),
+            (
+                sensor.is_some(),
+                "a sensor on what it carries",
+                "take that sensor out of the model",
+            ),
+            (
+                wheel.is_some(),
+                "a wheel on what it carries",
+                "put the wheel on a body that no spring moves",
+            ),
+            (
+                thruster.is_some(),
+                "a thruster on what it carries",
+                "put the thruster on a body that no spring moves",
+            ),
+            (
+                loses_mass,
+                "propellant that is used up",
+                "take specific_impulse_s out of the thrusters",
+            ),
+            (
+                model.environment.gravity_gradient,
+                "a gravity gradient",
+                "take it out of [environment]",
+            ),
+            (
+                springs > MOST_MODES,
+                "more than five others",
+                "lock the stiffest ones by locked_at_rad or locked_at_m",
+            ),
+        ];
+        match found.into_iter().find(|(beside, ..)| *beside) {
+            Some((_, with, advice)) => {
+                let joint = self.tree.coordinates[first.coordinate];
+                Err(refusal::passive_joint(
+                    &model.joints[joint].name,
+                    with,
+                    advice,
+                ))
+            }
+            None => Ok(()),
+        }
     }
 
     /// Whether joints move a body against the base.

@@ -81,6 +81,13 @@ pub(crate) fn mode(name: &str, with: &str, advice: &str) -> Faults {
     Faults::one("E0408", Place::item("mode", name), problem, advice)
 }
 
+/// The same of a joint that a spring moves.
+pub(crate) fn passive_joint(name: &str, with: &str, advice: &str) -> Faults {
+    let problem = format!("a joint that its spring moves is not identified together with {with}");
+    let advice = format!("{advice}; or lock the joint by locked_at_rad or locked_at_m");
+    Faults::one("E0408", Place::item("joint", name), problem, advice)
+}
+
 /// E0410: the numbers overflow.
 pub fn not_finite(_: NotFinite) -> Faults {
     Faults::one(

@@ -241,7 +241,7 @@ impl Baseline<'_> {
             position: false,
             linear: seen,
             angular: !trial.known_momentum,
-            modes: self.problem.model.modes.len(),
+            internal: self.problem.internal_states(),
         };
         let late = self
             .parameters

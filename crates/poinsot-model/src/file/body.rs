@@ -1,5 +1,5 @@
-use super::Sigmas;
 use super::rows::BodyUncertaintyFile;
+use super::{Sigmas, Which};
 use crate::knowledge::Origin;
 use crate::vehicle::Prior;
 use schemars::JsonSchema;
@@ -21,7 +21,7 @@ pub(crate) struct BodyFile {
     pub inertia_kg_m2: Option<InertiaFile>,
     /// false (default): the numbers are known. true: they are unknown and the numbers nominal.
     /// Or a list of what is unknown.
-    pub estimate: Option<EstimateFile>,
+    pub estimate: Option<Which<Parameter>>,
     /// One sigma of the nominal values. No prior unless given.
     pub prior: Option<Prior>,
     /// Where the known numbers come from: "measured" or "cad", by default that of the
@@ -54,16 +54,6 @@ pub(crate) struct InertiaFile {
     pub xz: Option<f64>,
     /// Tensor element I_yz, kg m2. Default 0.
     pub yz: Option<f64>,
-}
-
-/// Whether, or which, mass properties are unknown.
-#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged)]
-pub(crate) enum EstimateFile {
-    /// All or nothing.
-    All(bool),
-    /// These.
-    Some(Vec<Parameter>),
 }
 
 /// A group of mass properties.

@@ -1,7 +1,7 @@
-use super::Sigmas;
 use super::rows::JointUncertaintyFile;
+use super::{Sigmas, Which};
 use crate::knowledge::Origin;
-use crate::vehicle::JointKind;
+use crate::vehicle::{JointKind, SpringNumber};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -39,8 +39,8 @@ pub struct JointFile {
     /// The same of a prismatic joint, m.
     #[schemars(extend("x-only" = {"type": ["prismatic"]}))]
     pub locked_at_m: Option<f64>,
-    /// Spring and damper in the joint. Where a simulated case does not prescribe the joint's motion, it is then free:
-    /// slosh as a pendulum, a hinged panel.
+    /// Spring and damper in the joint. Where neither a column nor `locked_at_rad` says otherwise they move it, at any angle: slosh as
+    /// a pendulum, a hinged panel, a flexible joint.
     #[schemars(extend("x-only" = {"type": ["revolute", "prismatic"]}))]
     pub spring_damper: Option<SpringDamperFile>,
     /// Where the known numbers come from: "measured" or "cad", by default that of the
@@ -76,4 +76,27 @@ pub struct SpringDamperFile {
     /// The same of a prismatic joint, m. Default 0.
     #[schemars(extend("x-only" = {"type": ["prismatic"]}))]
     pub rest_m: Option<f64>,
+    /// false (default): the numbers are known. true: all are unknown and the numbers nominal. Or a list of what is unknown.
+    pub estimate: Option<Which<SpringParameter>>,
+}
+
+/// A number of a spring and damper.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum SpringParameter {
+    /// The stiffness.
+    Stiffness,
+    /// The damping.
+    Damping,
+    /// The position without force.
+    Rest,
+}
+
+impl SpringParameter {
+    /// All of them, with what they are.
+    pub(crate) const ALL: [(Self, SpringNumber); 3] = [
+        (Self::Stiffness, SpringNumber::Stiffness),
+        (Self::Damping, SpringNumber::Damping),
+        (Self::Rest, SpringNumber::Rest),
+    ];
 }

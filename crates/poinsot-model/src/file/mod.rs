@@ -20,16 +20,18 @@ mod rows;
 mod sensor;
 mod thruster;
 mod wheel;
+mod which;
 
-pub(crate) use body::{BodyFile, EstimateFile, InertiaFile, Parameter};
+pub(crate) use body::{BodyFile, InertiaFile, Parameter};
 pub(crate) use environment::{EnvironmentFile, Gravity, OrbitFile};
-pub use joint::{JointFile, SpringDamperFile};
+pub use joint::{JointFile, SpringDamperFile, SpringParameter};
 pub(crate) use mode::PanelFile;
-pub use mode::{ModeEstimateFile, ModeFile, ModeParameter, SlopeFile, TankFile};
+pub use mode::{ModeFile, ModeParameter, SlopeFile, TankFile};
 pub(crate) use momentum::{MomentumFile, MomentumVectorFile, MomentumWord};
 pub(crate) use sensor::{NamesFile, NoiseFile, SensorFile, SensorType};
 pub use thruster::ThrusterFile;
 pub use wheel::WheelFile;
+pub use which::Which;
 
 use crate::knowledge::Origin;
 use poinsot_telemetry::TelemetryMap;

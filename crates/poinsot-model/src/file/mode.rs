@@ -1,4 +1,4 @@
-use super::InertiaFile;
+use super::{InertiaFile, Which};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -27,7 +27,7 @@ pub struct ModeFile {
     pub inertia_slope_kg05_m: Option<SlopeFile>,
     /// false (default): the numbers are known. true: all are unknown and the numbers nominal.
     /// Or a list of what is unknown.
-    pub estimate: Option<ModeEstimateFile>,
+    pub estimate: Option<Which<ModeParameter>>,
 }
 
 /// A panel on a hinge with a spring: a mode of its body, which contains the panel where the spring has no torque. Small angles.
@@ -63,7 +63,7 @@ pub(crate) struct PanelFile {
     #[schemars(extend("minimum" = 0))]
     pub damping_N_m_s_per_rad: Option<f64>,
     /// What of its mode is unknown, as of a mode.
-    pub estimate: Option<ModeEstimateFile>,
+    pub estimate: Option<Which<ModeParameter>>,
 }
 
 /// Propellant that moves against a spring: a mode of its body for each direction, named after the tank and the axis. The body
@@ -93,7 +93,7 @@ pub struct TankFile {
     /// The only direction in which it moves, in the body's axes. Default: along all three axes.
     pub axis: Option<[f64; 3]>,
     /// What of its modes is unknown, as of a mode.
-    pub estimate: Option<ModeEstimateFile>,
+    pub estimate: Option<Which<ModeParameter>>,
 }
 
 /// A symmetric tensor by elements, kg^1/2 m.
@@ -112,16 +112,6 @@ pub struct SlopeFile {
     pub xz: Option<f64>,
     /// Element yz. Default 0.
     pub yz: Option<f64>,
-}
-
-/// Whether, or which, numbers of a mode are unknown.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged)]
-pub enum ModeEstimateFile {
-    /// All or nothing.
-    All(bool),
-    /// These.
-    Some(Vec<ModeParameter>),
 }
 
 /// A group of numbers of a mode.

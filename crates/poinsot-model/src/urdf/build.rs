@@ -56,6 +56,7 @@ pub(super) fn model(
             axis_C: Vector3::from(axis),
             locked_at: None,
             spring_damper: None,
+            spring_unknown: Vec::new(),
         })
     };
     let joints: Option<Vec<Joint>> = robot.joints.iter().map(joint).collect();

@@ -71,15 +71,26 @@ pub(super) fn held(channels: &Channels, repairs: &mut Vec<String>) -> Result<(),
 }
 
 fn of_joint<'a>(joint: &'a Joint, columns: JointColumns<'_>) -> Silent<'a> {
-    let said = joint.declared_at();
+    let key = match joint.kind {
+        JointKind::Prismatic => "locked_at_m",
+        _ => "locked_at_rad",
+    };
+    let said = match joint.locked_at {
+        Some(at) => Some(format!("locked at {at} ({key})")),
+        None => joint
+            .is_passive()
+            .then(|| "moved by its spring (spring_damper)".to_owned()),
+    };
     let moving = columns.rate.is_some_and(moves);
     Silent {
         subject: &joint.name,
         channel: columns.position_name,
-        said: said.map(|(position, key)| format!("locked at {position} ({key})")),
+        said,
         declare: match joint.kind {
-            JointKind::Prismatic => "locked_at_m where it is locked",
-            _ => "locked_at_rad where it is locked",
+            JointKind::Prismatic => {
+                "locked_at_m where it is locked, spring_damper where a spring moves it"
+            }
+            _ => "locked_at_rad where it is locked, spring_damper where a spring moves it",
         },
         other: [&OF_RATES[..], &OF_EFFORTS].concat(),
         moves: moving.then_some(columns.rate_name),

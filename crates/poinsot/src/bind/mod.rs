@@ -21,7 +21,7 @@ pub(crate) use cut::cut_at;
 pub use motion::acceleration_channels;
 
 use crate::error::Error;
-use channels::Channels;
+use channels::{Channels, joint_columns};
 use driven_wheels::DrivenWheels;
 use noise::declared_noise;
 use poinsot_dynamics::Tree;
@@ -47,13 +47,15 @@ pub struct Bound {
     pub repairs: Vec<String>,
     /// Largest fraction of samples dropped from a segment.
     pub dropped: f64,
+    /// The model without the springs of joints that are measured, where there are any.
+    own: Option<Model>,
 }
 
 impl Bound {
     /// The problem of these data for the model and tree to which they were bound, with the default accuracy.
     pub fn problem<'a>(&'a self, model: &'a Model, tree: &'a Tree) -> Problem<'a> {
         Problem {
-            model,
+            model: self.own.as_ref().unwrap_or(model),
             tree,
             segments: &self.segments,
             noise: &self.noise,
@@ -61,6 +63,30 @@ impl Bound {
             pace: None,
         }
     }
+}
+
+/// The model without the springs of joints that a column measures, where there are any.
+fn without_springs(model: &Model, tables: &[Table], told: &mut Vec<String>) -> Option<Model> {
+    let mut own = None;
+    for (k, joint) in model
+        .joints
+        .iter()
+        .enumerate()
+        .filter(|(_, j)| j.is_passive())
+    {
+        let [position, _] = joint_columns(joint);
+        let mut channels = tables.iter().flat_map(|t| &t.channels);
+        if channels.any(|c| c.name == position) {
+            let joint = &mut own.get_or_insert_with(|| model.clone()).joints[k];
+            joint.spring_damper = None;
+            joint.spring_unknown.clear();
+            told.push(format!(
+                "assumed: {} moves as '{position}' says, and its spring_damper has no effect",
+                joint.name
+            ));
+        }
+    }
+    own
 }
 
 /// Unknown bodies whose nominal tensor is not physical.
@@ -93,6 +119,8 @@ fn not_physical(model: &Model) -> Vec<String> {
 /// ```
 pub fn bind(model: &Model, tree: &Tree, tables: &[Table]) -> Result<Bound, Error> {
     let mut repairs = not_physical(model);
+    let own = without_springs(model, tables, &mut repairs);
+    let model = own.as_ref().unwrap_or(model);
     let tables = free_fall::relative(model, tables, &mut repairs)?;
     let tables = tables.as_ref();
     let leading = BaseSensors::new(model, tables);
@@ -131,6 +159,7 @@ pub fn bind(model: &Model, tree: &Tree, tables: &[Table]) -> Result<Bound, Error
         noise,
         repairs,
         dropped,
+        own,
     })
 }
 

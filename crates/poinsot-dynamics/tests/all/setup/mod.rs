@@ -57,6 +57,7 @@ pub fn model(bodies: &[KitBody], wheels: &[KitWheel]) -> Model {
                 axis_C: body.axis_C,
                 locked_at: None,
                 spring_damper: None,
+                spring_unknown: Vec::new(),
             });
         }
     }

@@ -8,15 +8,17 @@ use super::sensor_errors::ErrorGroup;
 use super::{AXES, Unknown};
 use crate::problem::fault::FaultKind;
 use crate::problem::segment::Segment;
-use poinsot_dynamics::propagation::ModeNumber;
+use poinsot_dynamics::propagation::{ModeNumber, SpringNumber};
 use poinsot_dynamics::{SensorError, Tree};
 use poinsot_model::{
     ErrorKey, JointKind, KnownNumber, Model, Nuisance, Sensor, SensorKind, printed_unit,
 };
 use poinsot_spatial::Vector3;
+use std::f64::consts::TAU;
 
 /// Components of a symmetric tensor without a trace.
 pub(crate) const GRADIENT: usize = 5;
+const MINUTE: f64 = 60.0;
 /// Duration, s, of a tenth of a radian in low orbit: a gravity gradient changes in a longer record.
 const ORBITING: f64 = 100.0;
 
@@ -33,6 +35,8 @@ pub enum UnknownKind {
     SpinInertia(usize),
     /// A number of a flexible mode.
     Mode(usize, ModeNumber),
+    /// A number of the spring of a passive joint, by its index among these.
+    Spring(usize, SpringNumber),
     /// Factor of a thruster, less one.
     ThrusterScale(usize),
     /// Direction and position of a thruster, with their slopes in the axes of its body. Tested only.
@@ -140,7 +144,7 @@ pub struct KnownUnknown {
 pub(super) enum Acts {
     /// Mass properties.
     Bodies,
-    /// Flexible modes.
+    /// Flexible modes and springs.
     Modes,
     /// Wheels and thrusters.
     Actuators,
@@ -180,7 +184,7 @@ impl UnknownKind {
                 (Acts::Bodies, Main)
             }
             Self::SpinInertia(_) | Self::ThrusterScale(_) => (Acts::Actuators, Main),
-            Self::Mode(..) => (Acts::Modes, Nuisance),
+            Self::Mode(..) | Self::Spring(..) => (Acts::Modes, Nuisance),
             Self::WheelTilt(..) => (Acts::Actuators, Nuisance),
             Self::ThrusterPlace { .. } | Self::Firing { .. } | Self::PropellantUse { .. } => {
                 (Acts::Actuators, Tested)
@@ -261,6 +265,7 @@ impl Registry<'_> {
         match *kind {
             UnknownKind::SpinInertia(k) | UnknownKind::WheelTilt(k, _) => self.of_wheel(kind, k),
             UnknownKind::Mode(k, number) => self.of_mode(kind, (k, number)),
+            UnknownKind::Spring(k, number) => self.of_spring(kind, (k, number)),
             UnknownKind::ThrusterScale(k) | UnknownKind::Firing { thruster: k, .. } => {
                 self.of_thruster(kind, k)
             }
@@ -329,13 +334,51 @@ impl Registry<'_> {
         Some(declared.changes(KnownNumber::WheelAxis(k)))
     }
 
+    /// The natural scale of a damping is the critical one of the whole vehicle; a spring without stiffness turns it once in a minute.
+    fn of_spring(&self, kind: &UnknownKind, (k, number): (usize, SpringNumber)) -> Option<Entry> {
+        let passive = self.model.passive_joints(self.tree);
+        let own = passive.joints().get(k)?;
+        let joint = self
+            .model
+            .joints
+            .get(*self.tree.coordinates.get(own.coordinate)?)?;
+        let slides = joint.kind == JointKind::Prismatic;
+        let (mass, inertia) = self.whole();
+        let moved = if slides { mass } else { inertia };
+        let stiffness = own.spring.stiffness.max(moved * (TAU / MINUTE).powi(2));
+        let natural = match number {
+            SpringNumber::Stiffness => stiffness,
+            SpringNumber::Damping => 2.0 * (stiffness * moved).sqrt(),
+            SpringNumber::Rest if slides => (inertia / mass).sqrt(),
+            SpringNumber::Rest => 1.0,
+        };
+        let what = number.name();
+        let mut entry = entry(
+            kind,
+            (format!("{}.{what}", joint.name), number.unit(slides)),
+            FaultKind::KnownNumber,
+            format!("another {what} of {}", joint.name),
+        );
+        entry.unknown.nominal = *number.of(&mut own.spring.clone());
+        entry.unknown.natural = natural;
+        Some(entry.declare(match joint.spring_unknown.contains(&number) {
+            true => Nuisance::Estimate,
+            false => Nuisance::Known,
+        }))
+    }
+
+    /// Nominal mass, and sum of the traces of all inertias.
+    fn whole(&self) -> (f64, f64) {
+        let bodies = self.model.bodies.iter().map(|b| &b.nominal);
+        let mass = bodies.clone().map(|b| b.mass).sum();
+        (mass, bodies.map(|b| b.parameters().I_BBo_B.trace()).sum())
+    }
+
     /// Natural scales are the largest plausible sizes: a mode carries no more than its vehicle.
     fn of_mode(&self, kind: &UnknownKind, (k, number): (usize, ModeNumber)) -> Option<Entry> {
         let own = self.model.modes.get(k)?;
         let asked = own.estimate;
-        let bodies = self.model.bodies.iter().map(|b| &b.nominal);
-        let mass: f64 = bodies.clone().map(|b| b.mass).sum();
-        let inertia: f64 = bodies.map(|b| b.parameters().I_BBo_B.trace()).sum();
+        let (mass, inertia) = self.whole();
         let (natural, asked) = match number {
             ModeNumber::Frequency => (own.mode.frequency_Hz, asked.frequency),
             ModeNumber::Damping => (1.0, asked.damping),
@@ -551,6 +594,10 @@ impl Registry<'_> {
             let groups = ModeNumber::groups();
             all.extend(groups.map(|g| g.iter().map(|n| UnknownKind::Mode(k, *n)).collect()));
         }
+        let passive = model.passive_joints(self.tree);
+        let springs = 0..passive.joints().len();
+        let springs = springs.flat_map(|k| SpringNumber::ALL.map(|n| UnknownKind::Spring(k, n)));
+        all.extend(springs.map(|kind| vec![kind]));
         all.extend(self.sensor_groups());
         all.extend(self.input_groups());
         let tilts = |k| [0, 1].map(|i| UnknownKind::WheelTilt(k, i)).to_vec();
@@ -569,8 +616,16 @@ impl Registry<'_> {
         }
         all.extend(propellant_groups(model, self.segments));
         all.extend(firing_groups(self.segments));
-        all.extend((0..self.tree.dof()).map(|k| vec![UnknownKind::JointPlay(k)]));
+        let read = self.read_joints();
+        all.extend(read.map(|k| vec![UnknownKind::JointPlay(k)]));
         all
+    }
+
+    /// Joint coordinates whose motion is an input.
+    fn read_joints(&self) -> impl Iterator<Item = usize> + Clone {
+        let joints = self.tree.coordinates.iter().enumerate();
+        let read = |(_, joint): &(usize, &usize)| !self.model.joints[**joint].is_passive();
+        joints.filter(read).map(|(k, _)| k)
     }
 
     fn sensor_groups(&self) -> impl Iterator<Item = Vec<UnknownKind>> {
@@ -609,7 +664,8 @@ impl Registry<'_> {
     }
 
     fn input_errors(&self, kind: SensorKind, of: &[usize]) -> Vec<Vec<UnknownKind>> {
-        let joints = (0..self.tree.dof()).filter(|k| of.contains(&self.tree.coordinates[*k]));
+        let joints = self.read_joints();
+        let joints = joints.filter(|k| of.contains(&self.tree.coordinates[*k]));
         let mut all = Vec::new();
         let each = |kind: fn(usize) -> UnknownKind| joints.clone().map(move |k| vec![kind(k)]);
         for key in kind.unknown_errors().iter().filter(|_| kind.is_scalar()) {

@@ -123,6 +123,7 @@ pub fn tree(seed: u64, joints: &str) -> Model {
             axis_C,
             locked_at: None,
             spring_damper: None,
+            spring_unknown: Vec::new(),
         });
     }
     model
