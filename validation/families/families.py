@@ -22,7 +22,7 @@ import sys
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from motion import Swinging, Vehicle, exponential, fly, matrix, product, swing, times
+from motion import Swinging, Vehicle, cross_matrix, exponential, fly, matrix, product, swing, times
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 ELEMENTS = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}

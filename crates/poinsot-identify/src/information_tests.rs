@@ -510,18 +510,11 @@ fn exact_sensitivity_of_every_unknown_is_the_slope_of_chi2() {
     }
 }
 
-/// The test's vehicle without what internal states are not identified beside: instruments on its hand, points, a field, lost mass.
+/// The test's vehicle without what internal states are not identified beside: instruments at points, a field, lost mass.
 fn plain() -> Model {
     let mut model = parse_model(MODEL, "test").unwrap();
-    let base = [
-        SensorKind::Gyro,
-        SensorKind::Attitude,
-        SensorKind::Velocity,
-        SensorKind::Position,
-    ];
-    model
-        .sensors
-        .retain(|s| base.contains(&s.kind) || s.kind.is_scalar());
+    let points = [SensorKind::Accelerometer, SensorKind::VelocityIncrement];
+    model.sensors.retain(|s| !points.contains(&s.kind));
     model.environment = Environment::default();
     model.thrusters[0].propellant = None;
     model

@@ -194,6 +194,17 @@ impl Joint {
         self.locked_at.or(rest).unwrap_or(0.0)
     }
 
+    /// Whether it is prismatic.
+    pub fn slides(&self) -> bool {
+        self.kind == JointKind::Prismatic
+    }
+
+    /// The numbers of its spring and damper, where it has one.
+    pub fn spring_numbers(&self) -> impl Iterator<Item = (SpringNumber, f64)> {
+        let each = self.spring_damper.into_iter();
+        each.flat_map(|mut spring| SpringNumber::ALL.map(|n| (n, *n.of(&mut spring))))
+    }
+
     /// Whether its spring and damper move it, where no column measures it.
     pub fn is_passive(&self) -> bool {
         self.spring_damper.is_some() && self.locked_at.is_none()

@@ -6,7 +6,7 @@ use crate::mass_numbers::{names, with_answer};
 use nalgebra::{SMatrix, SVector};
 use poinsot_dynamics::{Kinematics, Nozzle, SAME_TIME, SensorKind, Tree, composite, thrust_wrench};
 use poinsot_formats::EstimateFile;
-use poinsot_model::{Body, EstimateSet, Model, Nuisance, Sensor, SlowError};
+use poinsot_model::{Body, EstimateSet, Joint, Model, Nuisance, Sensor, SlowError};
 use poinsot_onboard::{Answer, Configuration, Noise, Sample, WHEELS, Wheel};
 use poinsot_spatial::{InertialParameters, MassProperties};
 use poinsot_telemetry::{Channel, Table, resample};
@@ -232,6 +232,9 @@ fn unknown_body(model: &Model) -> Result<&Body, Error> {
     match (unknown.next(), unknown.next()) {
         _ if !model.modes.is_empty() => Err(refuse(
             "the on-board filter has no flexible modes".to_owned(),
+        )),
+        _ if model.joints.iter().any(Joint::is_passive) => Err(refuse(
+            "the on-board filter has no joints that springs move".to_owned(),
         )),
         _ if model.environment.gravity_gradient => Err(refuse(
             "the on-board filter has no gravity gradient".to_owned(),

@@ -857,6 +857,14 @@ impl ModeRows {
         }
     }
 
+    /// Change of the rate of a number of the internal state with a column.
+    pub fn rate_times(&self, number: usize, x: &Column) -> f64 {
+        let used = STATE + self.count;
+        let each = x.iter().take(used).enumerate();
+        each.map(|(column, x)| self.slope(STATE + number, column) * x)
+            .sum()
+    }
+
     /// Change of the twist with the modes of a column.
     pub fn twist_times(&self, x: &Column) -> Vector6<f64> {
         let own = x.iter().skip(STATE).zip(&self.twist).take(self.count);

@@ -8,7 +8,6 @@ use crate::problem::refusal::{no_motion, wrong_length};
 use crate::problem::segment::{Observations, Segment};
 use crate::problem::{Problem, ProblemError};
 use nalgebra::{DMatrix, DVector};
-use poinsot_model::JointKind;
 use poinsot_solve::BlockQr;
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3, skew};
 
@@ -411,9 +410,9 @@ fn internal_parts<'a>(problem: &Problem<'a>) -> Vec<(&'a str, [(&'static str, &'
     let passive = problem.model.passive_joints(problem.tree);
     let joints = passive.joints().iter().map(|own| {
         let joint = &problem.model.joints[problem.tree.coordinates[own.coordinate]];
-        let parts = match joint.kind {
-            JointKind::Prismatic => [("position", "m"), ("momentum", "N s")],
-            _ => [("position", "rad"), ("momentum", "N m s")],
+        let parts = match joint.slides() {
+            true => [("position", "m"), ("momentum", "N s")],
+            false => [("position", "rad"), ("momentum", "N m s")],
         };
         (joint.name.as_str(), parts)
     });

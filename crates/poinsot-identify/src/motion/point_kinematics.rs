@@ -1,6 +1,7 @@
 //! Position and velocity of a point of a body, with their derivatives over the joints.
 
-use super::{Column, Motion};
+use super::{Column, EvaluatedState, Motion};
+use poinsot_dynamics::propagation::{ModeRows, STATE};
 use poinsot_dynamics::{JointEffect, PointMotion, Twist};
 use poinsot_spatial::{Vector3, Vector6};
 
@@ -71,11 +72,45 @@ impl Motion<'_> {
         self.columns.iter().zip(&self.twist_columns)
     }
 
-    /// Effect of unknowns on joints at the current instant: sensitivity column, joint, change of its position and rate.
+    /// Effect of unknowns on joints at the current instant, and of all columns on passive ones: sensitivity column, joint, change of
+    /// its position and rate.
     pub fn joint_changes(&self) -> impl Iterator<Item = (usize, usize, f64, f64)> {
-        self.input_state.changes.iter().filter_map(|change| {
+        let read = self.input_state.changes.iter().filter_map(|change| {
             let (joint, dq, drate) = change.joint?;
             Some((self.initial_columns + change.unknown, joint, dq, drate))
+        });
+        let swings = |_: &&EvaluatedState| self.vehicle.has_passive_joints();
+        let evaluated = self.evaluated.as_deref().filter(swings);
+        let variation = evaluated.and_then(|e| e.variation.as_deref());
+        let swinging = variation.into_iter().flat_map(move |variation| {
+            let columns = self.columns.iter().enumerate();
+            columns.flat_map(move |(column, x)| {
+                let unknown = column.checked_sub(self.initial_columns);
+                let drive = unknown.map(|u| &variation.internal[u]);
+                self.swings(variation.modes.as_deref(), x)
+                    .map(move |(joint, number, dq, drate)| {
+                        let own = drive.map_or(0.0, |d| d[number]);
+                        (column, joint, dq, drate + own)
+                    })
+            })
+        });
+        read.chain(swinging)
+    }
+
+    /// Passive joints with the place of each in the internal state, and the change of its position and rate with a column.
+    pub fn swings(
+        &self,
+        modes: Option<&ModeRows>,
+        x: &Column,
+    ) -> impl Iterator<Item = (usize, usize, f64, f64)> {
+        let first = self.vehicle.modes.len();
+        let joints = self.vehicle.passive.joints().iter().enumerate();
+        modes.into_iter().flat_map(move |modes| {
+            joints.clone().map(move |(i, joint)| {
+                let number = 2 * (first + i);
+                let (dq, drate) = (x[STATE + number], modes.rate_times(number, x));
+                (joint.coordinate, number, dq, drate)
+            })
         })
     }
 }

@@ -89,7 +89,7 @@ impl Problem<'_> {
     ///
     /// # Errors
     /// E0408: a mode is on a body that joints move, or beside an accelerometer; a passive joint is beside a mode, an accelerometer or
-    /// a gravity gradient, or carries a sensor, wheel or thruster.
+    /// a gravity gradient, or carries a wheel or thruster.
     pub(crate) fn check_modes(&self) -> Result<(), Faults> {
         self.check_passive_joints()?;
         for own in &self.model.modes {
@@ -115,8 +115,6 @@ impl Problem<'_> {
             return Ok(());
         };
         let carried = |body: usize| passive.over(body) != 0;
-        let mut sensors = model.sensors.iter().filter(|s| !s.kind.is_scalar());
-        let sensor = sensors.find(|s| carried(s.body) || carried(s.seen_from));
         let wheel = model.wheels.iter().find(|w| carried(w.body));
         let thruster = model.thrusters.iter().find(|t| carried(t.body));
         let loses_mass = model.thrusters.iter().any(|t| t.propellant.is_some());
@@ -131,11 +129,6 @@ impl Problem<'_> {
                 self.sees_points(),
                 "an accelerometer",
                 "take accelerometers and velocity increments out of the map",
-            ),
-            (
-                sensor.is_some(),
-                "a sensor on what it carries",
-                "take that sensor out of the model",
             ),
             (
                 wheel.is_some(),

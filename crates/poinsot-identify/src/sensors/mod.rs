@@ -226,7 +226,8 @@ pub(crate) fn predict(
                 }
             }
         }
-        for (at, joint, dq, drate) in inputs.at_once() {
+        let swings = inputs.swings(motion).into_iter();
+        for (at, joint, dq, drate) in inputs.at_once().chain(swings) {
             if let Some(over) = of(joint) {
                 errors[at] += over.position * dq + over.rate * drate;
             }

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 /// Whether, or which, numbers are unknown.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
+#[schemars(rename = "{P}Estimate")]
 pub enum Which<P> {
     /// All or nothing.
     All(bool),

@@ -3,7 +3,7 @@
 use super::channels::{Channels, JointColumns};
 use super::driven_wheels::speed_column;
 use poinsot_files::{Fault, Faults, Place};
-use poinsot_model::{Joint, JointKind};
+use poinsot_model::Joint;
 use poinsot_telemetry::{Channel, noise_level};
 
 /// Likeness of two names from which one is told beside the other.
@@ -71,9 +71,15 @@ pub(super) fn held(channels: &Channels, repairs: &mut Vec<String>) -> Result<(),
 }
 
 fn of_joint<'a>(joint: &'a Joint, columns: JointColumns<'_>) -> Silent<'a> {
-    let key = match joint.kind {
-        JointKind::Prismatic => "locked_at_m",
-        _ => "locked_at_rad",
+    let [key, declare] = match joint.slides() {
+        true => [
+            "locked_at_m",
+            "locked_at_m where it is locked, spring_damper where a spring moves it",
+        ],
+        false => [
+            "locked_at_rad",
+            "locked_at_rad where it is locked, spring_damper where a spring moves it",
+        ],
     };
     let said = match joint.locked_at {
         Some(at) => Some(format!("locked at {at} ({key})")),
@@ -86,12 +92,7 @@ fn of_joint<'a>(joint: &'a Joint, columns: JointColumns<'_>) -> Silent<'a> {
         subject: &joint.name,
         channel: columns.position_name,
         said,
-        declare: match joint.kind {
-            JointKind::Prismatic => {
-                "locked_at_m where it is locked, spring_damper where a spring moves it"
-            }
-            _ => "locked_at_rad where it is locked, spring_damper where a spring moves it",
-        },
+        declare,
         other: [&OF_RATES[..], &OF_EFFORTS].concat(),
         moves: moving.then_some(columns.rate_name),
     }

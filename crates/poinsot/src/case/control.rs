@@ -30,12 +30,12 @@ impl Planner<'_> {
             self.refuse(code, key, problem, remedy);
         }
         let mut joints = self.model.joints.iter();
-        if let Some(joint) = joints.find(|j| j.spring_damper.is_some()) {
+        if let Some(joint) = joints.find(|j| j.is_passive()) {
             let problem = format!(
                 "joint \"{}\" has a spring and damper, and the simulation does not support this with [control]: joints are locked",
                 joint.name
             );
-            let remedy = "take spring_damper out of the model, or prescribe wheel speeds with [[wheel_motion]]";
+            let remedy = "lock the joint by locked_at_rad or locked_at_m, or prescribe wheel speeds with [[wheel_motion]]";
             self.refuse("E0508", "control", problem, remedy);
         }
         Some(Plan {

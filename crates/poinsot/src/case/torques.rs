@@ -64,7 +64,7 @@ impl Planner<'_> {
             let Some(k) = self.part(Part::Joint, &table.joint, &named) else {
                 continue;
             };
-            let free = own[k].motor.is_some() || self.joint(k).spring_damper.is_some();
+            let free = own[k].motor.is_some() || self.joint(k).is_passive();
             if led[k] || !free {
                 let problem = if led[k] {
                     "the joint's motion is prescribed, and so is its initial state"
@@ -85,7 +85,7 @@ impl Planner<'_> {
         }
         for (k, own) in own.into_iter().enumerate() {
             let joint = self.joint(k);
-            if led[k] || (own.motor.is_none() && joint.spring_damper.is_none()) {
+            if led[k] || (own.motor.is_none() && !joint.is_passive()) {
                 continue;
             }
             let spring = joint.spring_damper;

@@ -15,6 +15,7 @@ use poinsot_model::{
     read_model_text,
 };
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::str::FromStr;
 
@@ -239,13 +240,30 @@ pub fn export_estimate(
         },
     }?;
     let all = estimate.nuisance.keys().map(|key| Address::parse(key));
-    let modes = all.filter(|a| a.quantity() == "frequency_Hz");
-    let modes: Vec<&str> = modes.map(|a| a.owner()).collect();
-    if !modes.is_empty() && !matches!(to, Target::Csv | Target::Onboard) {
-        exported.no_field.push(format!(
-            "not exported: flexible modes {}: the mass properties are those of the undeformed vehicle",
-            modes.join(", ")
-        ));
+    let all: Vec<Address> = all.collect();
+    let owners = |begins: &[&str]| {
+        let own = |a: &&Address| begins.iter().any(|b| a.quantity().starts_with(b));
+        let owners: BTreeSet<&str> = all.iter().filter(own).map(|a| a.owner()).collect();
+        owners.into_iter().collect::<Vec<_>>().join(", ")
+    };
+    let parts = [
+        (
+            owners(&["frequency_Hz"]),
+            "flexible modes",
+            "the mass properties are those of the undeformed vehicle",
+        ),
+        (
+            owners(&["stiffness_", "damping_N", "rest_"]),
+            "springs of",
+            "copy their numbers from nuisance",
+        ),
+    ];
+    for (names, what, why) in parts {
+        if !names.is_empty() && !matches!(to, Target::Csv | Target::Onboard) {
+            exported
+                .no_field
+                .push(format!("not exported: {what} {names}: {why}"));
+        }
     }
     Ok(exported)
 }

@@ -81,6 +81,15 @@ impl Drawn<'_> {
                 put(name, number.unit(), flexible.mode.get(*number));
             }
         }
+        for joint in self.model.joints.iter().filter(|j| j.is_passive()) {
+            for (number, value) in joint.spring_numbers() {
+                put(
+                    format!("{}.{}", joint.name, number.name()),
+                    number.unit(joint.slides()),
+                    value,
+                );
+            }
+        }
         for (i, sensor) in self.model.sensors.iter().enumerate() {
             let Some(instrument) = self.recorder.instrument(i) else {
                 continue;

@@ -7,7 +7,7 @@ use poinsot_dynamics::propagation::ModeNumber;
 use poinsot_files::Place;
 use poinsot_formats::{Address, BarycentricFile, EstimateFile, NumberFile, address, unknown_name};
 use poinsot_identify::{CompletedVehicle, Completion, DeterminedCombination, complete};
-use poinsot_model::{FlexibleMode, Mode, ModeEstimate, Model};
+use poinsot_model::{FlexibleMode, Mode, ModeEstimate, Model, SpringNumber};
 use poinsot_spatial::{InertialParameters, Matrix3, Vector3};
 use std::path::{Path, PathBuf};
 
@@ -101,7 +101,7 @@ pub fn of_estimate(
     })
 }
 
-/// The model with the modes of an estimate, also those that it found, as known.
+/// The model with the modes and springs of an estimate, also modes that it found, as known.
 fn with_modes(model: &Model, read: &EstimateFile) -> Model {
     let mut model = model.clone();
     let names = read.nuisance.keys().map(|key| Address::parse(key));
@@ -120,6 +120,22 @@ fn with_modes(model: &Model, read: &EstimateFile) -> Model {
             let name = address(&format!("{}.{}", own.name, number.name()), number.unit());
             if let Some(found) = read.nuisance.get(&name).and_then(|n| n.value) {
                 own.mode.set(*number, found);
+            }
+        }
+    }
+    for joint in &mut model.joints {
+        let slides = joint.slides();
+        let Some(spring) = &mut joint.spring_damper else {
+            continue;
+        };
+        joint.spring_unknown.clear();
+        for number in SpringNumber::ALL {
+            let name = address(
+                &format!("{}.{}", joint.name, number.name()),
+                number.unit(slides),
+            );
+            if let Some(found) = read.nuisance.get(&name).and_then(|n| n.value) {
+                *number.of(spring) = found;
             }
         }
     }

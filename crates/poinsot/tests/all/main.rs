@@ -46,6 +46,7 @@ mod noisy_files;
 mod noisy_inputs;
 mod nutation;
 mod open_set;
+mod passive_joints;
 mod physical;
 mod point_sensors;
 mod points;

@@ -323,6 +323,9 @@ fn exact_a_free_pendulum_swings_at_the_closed_form() {
 #[test]
 fn unit_predict_refuses_a_joint_that_nothing_reads() {
     let (case, model) = load("slosh.toml");
+    let text = std::fs::read_to_string(case.path()).unwrap();
+    let motor = "\n[[joint_torque]]\njoint = \"slosh\"\nconstant_N_m = 0.001\n";
+    let case = poinsot::case::parse_case(case.path(), text + motor).unwrap();
     let error = predict_case(&case, model, 1.0).err().unwrap();
     assert_eq!(error.kind(), poinsot::ErrorKind::Input);
     assert_eq!(
@@ -475,6 +478,6 @@ fn unit_control_refuses_what_would_move_by_itself() {
     truth.bodies.push(slosh.bodies[1].clone());
     truth.joints.push(slosh.joints[0].clone());
     let text = case.bind(&truth).unwrap_err().to_string();
-    let own = "joint \"slosh\" has a spring and damper, and the simulation does not support this with [control]: joints are locked; take spring_damper out of the model, or prescribe wheel speeds with [[wheel_motion]]";
+    let own = "joint \"slosh\" has a spring and damper, and the simulation does not support this with [control]: joints are locked; lock the joint by locked_at_rad or locked_at_m, or prescribe wheel speeds with [[wheel_motion]]";
     assert!(text.starts_with("E0508 ") && text.ends_with(own), "{text}");
 }

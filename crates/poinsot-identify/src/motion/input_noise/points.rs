@@ -5,6 +5,7 @@ use crate::motion::slope_weights;
 use crate::motion::{BodyPoint, Instant, Motion, State};
 use crate::problem::Problem;
 use crate::problem::segment::{Observations, SensorRecord};
+use poinsot_dynamics::propagation::STATE;
 use poinsot_model::SensorKind;
 use poinsot_spatial::Vector3;
 
@@ -84,6 +85,25 @@ impl InputNoise {
             Input::Rate(j) => Some((self.place(c, 0), j, 0.0, 1.0)),
             Input::Wheel(_) | Input::WheelSlope => None,
         })
+    }
+
+    /// Effect of errors on passive joints: place in the filter's state, joint, change of its position and rate.
+    pub fn swings(&self, motion: &Motion) -> Vec<(usize, usize, f64, f64)> {
+        let Some(now) = self.before.as_deref() else {
+            return Vec::new();
+        };
+        let columns = self.columns.iter().enumerate();
+        let each = columns.flat_map(|(at, x)| {
+            let input = (0..self.inputs.len()).find(|c| self.place(*c, 0) == at);
+            let driven = input.map(|c| &now.drive[c]);
+            let own = motion.swings(now.modes.as_deref(), x);
+            own.map(move |(joint, number, dq, drate)| {
+                // What an input drives has its column in it.
+                let drate = driven.map_or(drate, |d| d[STATE + number]);
+                (at, joint, dq, drate)
+            })
+        });
+        each.collect()
     }
 
     /// Keeps the errors of the velocity at the beginning of an increment until its end, at place `which`.

@@ -342,7 +342,7 @@ impl Registry<'_> {
             .model
             .joints
             .get(*self.tree.coordinates.get(own.coordinate)?)?;
-        let slides = joint.kind == JointKind::Prismatic;
+        let slides = joint.slides();
         let (mass, inertia) = self.whole();
         let moved = if slides { mass } else { inertia };
         let stiffness = own.spring.stiffness.max(moved * (TAU / MINUTE).powi(2));
