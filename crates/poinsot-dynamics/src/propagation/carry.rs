@@ -1,6 +1,7 @@
 //! Columns of the state's sensitivity over a step.
 
-use super::modes::{INTERNAL, ModeRows};
+use super::internal::INTERNAL;
+use super::modes::ModeRows;
 use super::rows::{StateRows, add, halves};
 use super::{COLUMN, HALF, STATE};
 use crate::algebra::Real;

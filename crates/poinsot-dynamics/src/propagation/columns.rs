@@ -3,7 +3,7 @@
 //! Every column has the bits that [`StepRows::carry`] and [`StepRows::carry_pose`] give it alone, but for the signs of zeros.
 
 use super::carry::{Drives, StepRows};
-use super::modes::Internal;
+use super::internal::Internal;
 use super::rows::{StateRows, add};
 use super::{COLUMN, Column, HALF, ModeRows, STATE};
 use crate::algebra::Real;

@@ -11,8 +11,7 @@
 //! since the axis moves with the parent (Featherstone 2008, ch. 2). The rates follow with the twist from all momenta, as those of
 //! modes do (`modes.rs`). No acceleration appears.
 
-use super::MOST_MODES;
-use super::modes::PerMode;
+use super::internal::{MOST_MODES, PerMode};
 use crate::algebra::V3;
 use crate::inertial::Inertial;
 use crate::joint_slopes::{JointSlopes, SubtreeMotion};

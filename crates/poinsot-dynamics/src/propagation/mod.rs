@@ -19,6 +19,7 @@ mod carry;
 #[cfg(feature = "std")]
 mod columns;
 mod hinges;
+mod internal;
 mod locked;
 mod modes;
 mod rows;
@@ -29,10 +30,11 @@ pub use carry::StepRows;
 #[cfg(feature = "std")]
 pub use columns::ColumnDrives;
 pub use hinges::{HeldChange, Hinge, PassiveJoint, PassiveJoints};
+pub use internal::{INTERNAL, Internal, MOST_MODES, PerMode};
 pub use locked::{BaseMotion, LockedVehicle, MassCentre};
 pub use modes::{
-    BodyChange, Flexibility, FlexibleChange, FlexibleMotion, FlexibleRate, FlexibleState, INTERNAL,
-    Internal, MOST_MODES, Mode, ModeNumber, ModeRows, OneBody, PerMode, SpringNumber,
+    BodyChange, Flexibility, FlexibleChange, FlexibleMotion, FlexibleRate, FlexibleState, Mode,
+    ModeNumber, ModeRows, OneBody, SpringNumber,
 };
 pub use rows::{Matrix6x12, StateRows, pose_change};
 pub use state::{

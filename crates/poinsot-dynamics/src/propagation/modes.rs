@@ -16,6 +16,7 @@
 //! A passive joint (`hinges.rs`) is the same with the coefficients of its placement: `J` then is that of the vehicle as it stands.
 
 use super::hinges::{HeldChange, Hinge, PassiveJoints, Swinging};
+use super::internal::{INTERNAL, Internal, MOST_MODES, PerMode};
 use super::locked::{BaseMotion, LockedVehicle};
 use super::rows::{StateRows, pose_change};
 use super::state::{Moving, PoseMomentum, PoseMomentumRate};
@@ -26,19 +27,10 @@ use crate::kinematics::Kinematics;
 use crate::spring::SpringDamper;
 use crate::symmetric::Symmetric;
 use core::f64::consts::TAU;
-use nalgebra::{Cholesky, Matrix3, SMatrix, SVector, Vector3, Vector6};
+use nalgebra::{Cholesky, Matrix3, SMatrix, Vector3, Vector6};
 use poinsot_spatial::TENSOR;
 
-/// Most modes and passive joints of a vehicle.
-pub const MOST_MODES: usize = 6;
 const AXES: usize = 3;
-/// Amplitude and conjugate momentum of every mode, one pair after the other: kg^1/2 m and kg^1/2 m/s; then position and momentum of
-/// every passive joint: rad and N m s, or m and N s.
-pub type Internal = SVector<f64, INTERNAL>;
-/// Numbers of an [`Internal`].
-pub const INTERNAL: usize = 2 * MOST_MODES;
-/// One number for each mode.
-pub type PerMode = SVector<f64, MOST_MODES>;
 
 /// A mode of a body, mass-normalised: the body held, its kinetic energy is `y'^2 / 2`. The mass properties of the body include
 /// the undeformed appendage.

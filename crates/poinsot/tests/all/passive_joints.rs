@@ -133,7 +133,13 @@ fn exact_a_column_of_the_joint_takes_the_place_of_its_spring() {
         .replace("sensors_only = true", "")
         .replace("200.0", "60.0");
     let read = parse_case(case.path(), text).unwrap();
-    let tables = vec![simulate_case(&read, &truth).unwrap().table];
+    let mut tables = drawn(&read, &truth, &model, 1);
+    let all = simulate_case(&read, &truth).unwrap().table;
+    let joint = all
+        .channels
+        .into_iter()
+        .filter(|c| c.name.starts_with("hinge"));
+    tables[0].channels.extend(joint);
     assert!(tables[0].channel("hinge_rad").is_some());
     let with_spring = answer(&model, tables.clone()).unwrap();
     let mut without = model.clone();
