@@ -21,7 +21,7 @@ use super::locked::{BaseMotion, LockedVehicle};
 use super::rows::{StateRows, pose_change};
 use super::state::{Moving, PoseMomentum, PoseMomentumRate};
 use super::{Column, HALF, STATE};
-use crate::algebra::V3;
+use crate::algebra::{Real, V3};
 use crate::joint_slopes::JointSlopes;
 use crate::kinematics::Kinematics;
 use crate::spring::SpringDamper;
@@ -540,7 +540,7 @@ impl Flexibility {
         let inverse = free.inverse();
         let springs = self.of.iter().enumerate().skip(self.modes);
         let squares = springs.map(|(k, own)| own.spring.stiffness * inverse[(k, k)]);
-        squares.fold(0.0, f64::max).sqrt()
+        squares.fold(0.0, f64::max).root()
     }
 
     /// Modes at rest without deflection while the base turns, rad/s in B: `p = D^T w + c_y`.
@@ -720,7 +720,7 @@ impl Flexibility {
     ) -> (FlexibleChange, f64) {
         let (mode, w) = (&self.of[k], &motion.base.twist.w);
         let (y, rate) = (internal[2 * k], motion.rates[k]);
-        let omega = mode.spring.stiffness.sqrt();
+        let omega = mode.spring.stiffness.root();
         let mut dp = PerMode::zeros();
         let (mut l, mut h, mut push) = (Vector3::zeros(), Vector3::zeros(), 0.0);
         match number {
