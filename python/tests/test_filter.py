@@ -88,7 +88,7 @@ def test_unit_rows_that_cannot_be_read_are_refused(columns):
 
 
 def test_unit_a_vehicle_that_the_filter_does_not_follow_is_refused():
-    with pytest.raises(pn.InputError, match="no number of the model is unknown"):
+    with pytest.raises(pn.InputError, match="no joints that springs move"):
         pn.Filter("data/cases/slosh_truth.toml")
     # At the call, not at the first answer.
     with pytest.raises(pn.InputError, match="no position is measured"):
