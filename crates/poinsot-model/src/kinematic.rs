@@ -53,7 +53,7 @@ impl From<&Model> for Tree {
 }
 
 impl Model {
-    /// The joints that springs move, of which no column measures any.
+    /// The joints that springs move where no column measures them.
     pub fn passive_joints(&self, tree: &Tree) -> PassiveJoints {
         let joints = tree.coordinates.iter().enumerate();
         let passive = joints.filter_map(|(coordinate, joint)| {

@@ -45,10 +45,6 @@ use poinsot_spatial::{Matrix3, Vector3, Vector6};
 use smoother::KnownError;
 use sparse::SparseRows;
 
-/// Terms of the exponential of a part of an interval, and how many times the parts are halved further.
-const TERMS: u32 = 6;
-const FINER: i32 = 3;
-
 /// Pose of a column.
 fn pose_of(x: &Column) -> Vector6 {
     x.fixed_rows::<6>(0).into()
@@ -737,23 +733,13 @@ impl InputNoise {
         }
     }
 
-    /// The same of a vehicle that oscillates within an interval: the exponential, of a part of it that is squared until it is whole.
+    /// The same of a vehicle that oscillates within an interval.
     fn swinging_rows(&self, A: &impl Fn(usize, usize) -> f64, h: f64, upper: &mut [f64]) {
         let (n, stride) = (self.active.len(), self.filter.stride());
         let A = DMatrix::from_fn(n, n, |i, j| h * A(self.active[i], self.active[j]));
-        let powers = A.norm().log2().ceil().max(0.0) as i32 + FINER;
-        let part = A * 0.5_f64.powi(powers);
-        let mut whole = DMatrix::identity(n, n);
-        for k in (1..=TERMS).rev() {
-            whole = DMatrix::identity(n, n) + &part * whole / f64::from(k);
-        }
-        for _ in 0..powers {
-            whole = &whole * &whole;
-        }
-        for i in 0..n {
-            for j in 0..n {
-                upper[i * stride + j] = whole[(i, j)];
-            }
+        let stays = A.exp();
+        for (row, out) in stays.row_iter().zip(upper.chunks_exact_mut(stride)) {
+            out.iter_mut().zip(&row).for_each(|(out, x)| *out = *x);
         }
     }
 
