@@ -85,6 +85,23 @@ class Vehicle:
         return whole, np.concatenate([angular, linear], axis=-1)
 
 
+def followed(slope, state, times_s, step_s):
+    """The state at each time by the classical Runge-Kutta rule; the attitude is the first of it."""
+    t = 0.0
+    for end in times_s:
+        while t < end - 1e-9:
+            h = min(step_s, end - t)
+            within = t + h / 2
+            k1 = slope(t, within, *state)
+            k2 = slope(t + h / 2, within, *(x + h / 2 * k for x, k in zip(state, k1)))
+            k3 = slope(t + h / 2, within, *(x + h / 2 * k for x, k in zip(state, k2)))
+            k4 = slope(t + h, within, *(x + h * k for x, k in zip(state, k3)))
+            state = tuple(x + h / 6 * (a + 2 * b + 2 * c + d) for x, a, b, c, d in zip(state, k1, k2, k3, k4))
+            state = (state[0] / np.linalg.norm(state[0], axis=-1, keepdims=True),) + state[1:]
+            t = t + h
+        yield end, state
+
+
 def fly(vehicle, inputs, start, times_s, step_s, wrench=None, torque=None):
     """Pose, twist at the given times. `inputs(t)` gives q, qd, wheel speeds; `start` is quaternion, position, twist of the base;
     `wrench(t)` torque about the base's origin and force, in B, constant over a step; `torque(t, q_NB, whole)` about the mass centre, in N."""
@@ -116,21 +133,10 @@ def fly(vehicle, inputs, start, times_s, step_s, wrench=None, torque=None):
     turned = matrix(attitude)
     linear = times(turned, inside[:, 3:])
     momentum = np.concatenate([times(turned, inside[:, :3]) + np.cross(place, linear), linear], axis=-1)
-    state = (attitude, place, momentum)
-    t, out = 0.0, []
-    for end in times_s:
-        while t < end - 1e-9:
-            h = min(step_s, end - t)
-            within = t + h / 2
-            k1 = slope(t, within, *state)
-            k2 = slope(t + h / 2, within, *(x + h / 2 * k for x, k in zip(state, k1)))
-            k3 = slope(t + h / 2, within, *(x + h / 2 * k for x, k in zip(state, k2)))
-            k4 = slope(t + h, within, *(x + h * k for x, k in zip(state, k3)))
-            state = tuple(x + h / 6 * (a + 2 * b + 2 * c + d) for x, a, b, c, d in zip(state, k1, k2, k3, k4))
-            state = (state[0] / np.linalg.norm(state[0], axis=-1, keepdims=True),) + state[1:]
-            t = t + h
-        turned, _, v = state_of(end, *state)
-        out.append((state[0], state[1], v[:, :3], times(turned, v[:, 3:])))
+    out = []
+    for end, now in followed(slope, (attitude, place, momentum), times_s, step_s):
+        turned, _, v = state_of(end, *now)
+        out.append((now[0], now[1], v[:, :3], times(turned, v[:, 3:])))
     return [np.stack(x, axis=1) for x in zip(*out)]
 
 
@@ -204,17 +210,5 @@ def swing(swinging, curve, start, joints, times_s, step_s, wrench=None):
         return product(q_NB, spin), v, times(turned, found[:, 3:6]), found[:, :3], qd, found[:, 6:]
 
     state = (attitude, place, times(matrix(attitude), twist[:, 3:]), twist[:, :3], *joints)
-    t, out = 0.0, []
-    for end in times_s:
-        while t < end - 1e-9:
-            h = min(step_s, end - t)
-            within = t + h / 2
-            k1 = slope(t, within, *state)
-            k2 = slope(t + h / 2, within, *(x + h / 2 * k for x, k in zip(state, k1)))
-            k3 = slope(t + h / 2, within, *(x + h / 2 * k for x, k in zip(state, k2)))
-            k4 = slope(t + h, within, *(x + h * k for x, k in zip(state, k3)))
-            state = tuple(x + h / 6 * (a + 2 * b + 2 * c + d) for x, a, b, c, d in zip(state, k1, k2, k3, k4))
-            state = (state[0] / np.linalg.norm(state[0], axis=-1, keepdims=True),) + state[1:]
-            t = t + h
-        out.append((state[0], state[1], state[3], state[2]))
+    out = [(q, p, w, v) for _, (q, p, v, w, *_) in followed(slope, state, times_s, step_s)]
     return [np.stack(x, axis=1) for x in zip(*out)]
