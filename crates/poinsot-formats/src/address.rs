@@ -29,6 +29,7 @@ const MASS_PROPERTIES: [(&str, &str); 8] = [
 ///
 /// assert_eq!(address("bus.com_x", "m"), "bus.com_m.x");
 /// assert_eq!(address("gyro.bias_x", "rad/s"), "gyro.bias_rad_s.x");
+/// assert_eq!(address("hinge.stiffness", "N m/rad"), "hinge.stiffness_N_m_per_rad");
 /// ```
 pub fn address(name: &str, unit: &str) -> String {
     let (owner, what) = name.rsplit_once('.').unwrap_or(("", name));
@@ -47,7 +48,7 @@ pub fn address(name: &str, unit: &str) -> String {
         (None, unit) => {
             out.push_str(quantity);
             out.push('_');
-            out.push_str(&unit.replace(['/', ' '], "_"));
+            out.push_str(&words_of(unit));
         }
     }
     if let Some(component) = component {
@@ -55,6 +56,15 @@ pub fn address(name: &str, unit: &str) -> String {
         out.push_str(component);
     }
     out
+}
+
+/// A unit as the end of a key: `rad_s`, `N_m_per_rad`.
+fn words_of(unit: &str) -> String {
+    let per = match unit.rsplit_once('/') {
+        Some((of, per @ ("rad" | "m"))) => format!("{of}_per_{per}"),
+        _ => unit.to_owned(),
+    };
+    per.replace(['/', ' '], "_")
 }
 
 /// An address. Its steps are separated by dots; names may contain dots too.
@@ -116,7 +126,7 @@ impl<'a> Address<'a> {
 
     /// Owner, quantity and component, where the unit stands beside: `bus.inertia_xx`.
     pub fn without_unit(self, unit: &str) -> String {
-        let end = format!("_{}", unit.replace(['/', ' '], "_"));
+        let end = format!("_{}", words_of(unit));
         let quantity = self.quantity();
         let quantity = quantity.strip_suffix(&end).unwrap_or(quantity);
         let component = self.component().map(|c| format!("_{c}"));

@@ -1,7 +1,7 @@
 //! Bytes as a URDF file.
 
 use crate::model::check_model;
-use poinsot_model::{BodyProperties, parse_urdf, patch_urdf};
+use poinsot_model::{BodyProperties, Measured, parse_urdf, patch_urdf};
 
 /// Bytes as a URDF file. An accepted file must give a valid model, and its mass properties can be written back.
 pub fn urdf(bytes: &[u8]) {
@@ -29,6 +29,10 @@ pub fn urdf(bytes: &[u8]) {
             properties: body.nominal,
         })
         .collect();
+    let links = Measured {
+        bodies: links,
+        ..Measured::default()
+    };
     let patched = patch_urdf(text, &links);
     assert!(
         patched.is_ok(),

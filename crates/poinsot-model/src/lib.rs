@@ -100,7 +100,10 @@ pub use knowledge::{
 };
 pub use known::RoundStep;
 pub use model_text::read_model_text;
-pub use patch::{BodyProperties, Patch, Patched, patch_mjcf, patch_model, patch_sdf, patch_urdf};
+pub use patch::{
+    BodyProperties, Measured, PartNumber, Patch, Patched, patch_mjcf, patch_model, patch_sdf,
+    patch_urdf,
+};
 pub use poinsot_files::rounded;
 pub use poinsot_telemetry::TelemetryMap;
 pub use posterior::{Posterior, PosteriorKnown};

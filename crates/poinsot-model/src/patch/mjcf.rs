@@ -1,7 +1,7 @@
 //! MJCF, the model file of MuJoCo.
 
 use super::xml::{Format, Wanted, document, numbers, only, words};
-use super::{BodyProperties, Patched};
+use super::{Measured, Patched, Spring};
 use poinsot_spatial::{MassProperties, elements, tensor};
 use roxmltree::{Document, Node};
 
@@ -21,7 +21,7 @@ const OVERRIDES: [(&str, &[&str]); 3] = [
     ("settotalmass", &["-1"]),
 ];
 
-/// Writes mass properties into the text of an MJCF file, in the axes of each body.
+/// Writes mass properties into the text of an MJCF file, in the axes of each body, and the springs of joints.
 ///
 /// # Errors
 /// The text is not XML, the result does not read back, or its `<compiler>` changes inertias after reading.
@@ -35,15 +35,16 @@ const OVERRIDES: [(&str, &[&str]); 3] = [
 /// assert!(patched.text.contains(r#"mass="10.0""#) && patched.missing.is_empty());
 /// # Ok::<(), String>(())
 /// ```
-pub fn patch_mjcf(text: &str, bodies: &[BodyProperties]) -> Result<Patched, String> {
+pub fn patch_mjcf(text: &str, measured: &Measured) -> Result<Patched, String> {
     refuse_overrides(&document(text)?)?;
     let format = Format {
         tag: "body",
         depth: usize::MAX,
         wanted,
         read,
+        spring: Some(spring),
     };
-    format.patched(text, bodies)
+    format.patched(text, measured)
 }
 
 fn refuse_overrides(document: &Document<'_>) -> Result<(), String> {
@@ -72,6 +73,29 @@ fn wanted(_: Node<'_, '_>, new: &MassProperties) -> Wanted {
         ("fullinertia", words(&[xx, yy, zz, xy, xz, yz])),
     ];
     Wanted::new("inertial", attributes).without(&AXES)
+}
+
+fn spring(joint: Node<'_, '_>, new: &Spring) -> Wanted {
+    let mut compilers = joint.document().descendants();
+    let compilers = compilers.find_map(|n| match n.has_tag_name("compiler") {
+        true => n.attribute("angle"),
+        false => None,
+    });
+    let turns = joint.attribute("type") != Some("slide");
+    let in_degrees = turns && compilers.is_none_or(|angle| angle.trim() != "radian");
+    let rest = new.rest.map(|rest| match in_degrees {
+        true => rest.to_degrees(),
+        false => rest,
+    });
+    let all = [
+        ("stiffness", new.stiffness),
+        ("damping", new.damping),
+        ("springref", rest),
+    ];
+    let given = all
+        .into_iter()
+        .filter_map(|(name, x)| Some((name, words(&[x?]))));
+    Wanted::new("joint", given.collect())
 }
 
 fn read(body: Node<'_, '_>) -> Option<MassProperties> {

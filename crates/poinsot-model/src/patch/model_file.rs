@@ -1,10 +1,11 @@
 //! The model file of Poinsot: comments, order and all other keys stay unchanged.
 
-use super::{BodyProperties, Patched};
+use super::{Measured, PartNumber, Patched, SPRING_KEYS};
 use poinsot_spatial::{MassProperties, TENSOR, tensor_name};
-use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, Value};
+use std::collections::BTreeSet;
+use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
-/// Writes mass properties into the text of a model file.
+/// Writes mass properties into the text of a model file, and numbers of other parts: of modes and springs, and those that it states.
 ///
 /// # Errors
 /// The text is not TOML, or has no `[[body]]`.
@@ -23,7 +24,7 @@ use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, Value};
 /// assert!(patched.text.contains("mass_kg = 10.0") && patched.text.contains("# of the drawing"));
 /// # Ok::<(), String>(())
 /// ```
-pub fn patch_model(text: &str, bodies: &[BodyProperties]) -> Result<Patched, String> {
+pub fn patch_model(text: &str, measured: &Measured) -> Result<Patched, String> {
     let mut document: DocumentMut = text
         .parse()
         .map_err(|error| format!("this is not TOML: {error}; give the model file"))?;
@@ -32,7 +33,7 @@ pub fn patch_model(text: &str, bodies: &[BodyProperties]) -> Result<Patched, Str
         .and_then(Item::as_array_of_tables_mut)
         .ok_or("it has no [[body]]; give the model file of the vehicle")?;
     let mut missing = Vec::new();
-    for new in bodies {
+    for new in &measured.bodies {
         let mut same = tables
             .iter_mut()
             .filter(|t| t.get("name").and_then(Item::as_str) == Some(&new.body));
@@ -41,10 +42,61 @@ pub fn patch_model(text: &str, bodies: &[BodyProperties]) -> Result<Patched, Str
             _ => missing.push(new.body.clone()),
         }
     }
+    let mut parts = BTreeSet::new();
+    for number in &measured.numbers {
+        if let Some(table) = holder(&mut document, number) {
+            edit_number(table, number);
+            parts.insert(number.part.clone());
+        }
+    }
     Ok(Patched {
         text: document.to_string(),
         missing,
+        parts,
     })
+}
+
+/// The table that states a number of a part, is a mode, or is the spring of a joint. No two parts have the name.
+fn holder<'t>(document: &'t mut DocumentMut, number: &PartNumber) -> Option<&'t mut dyn TableLike> {
+    let arrays = document.iter_mut().filter(|(key, _)| *key != "body");
+    let mut same = arrays.flat_map(|(key, item)| {
+        let is_mode = key == "mode";
+        let tables = item.as_array_of_tables_mut().into_iter();
+        tables
+            .flat_map(ArrayOfTables::iter_mut)
+            .map(move |table| (is_mode, table))
+    });
+    let mut same = same
+        .by_ref()
+        .filter(|(_, t)| t.get("name").and_then(Item::as_str) == Some(&number.part));
+    let (is_mode, table) = same.next().filter(|_| same.next().is_none())?;
+    if is_mode || table.contains_key(&number.key) {
+        return Some(table);
+    }
+    let is_springs = SPRING_KEYS.iter().flatten().any(|key| *key == number.key);
+    let spring = table.get_mut("spring_damper").filter(|_| is_springs)?;
+    spring.as_table_like_mut()
+}
+
+fn edit_number(table: &mut dyn TableLike, number: &PartNumber) {
+    let entry = table.entry(&number.key);
+    let Some(component) = &number.component else {
+        return set(entry, number.value.into());
+    };
+    let axis = ["x", "y", "z"].iter().position(|axis| axis == component);
+    let item = entry.or_insert_with(|| {
+        Item::Value(match axis {
+            Some(_) => Array::from_iter([0.0; 3]).into(),
+            None => InlineTable::new().into(),
+        })
+    });
+    if let (Some(array), Some(axis)) = (item.as_array_mut(), axis)
+        && axis < array.len()
+    {
+        array.replace(axis, number.value);
+    } else if let Some(elements) = item.as_table_like_mut() {
+        set(elements.entry(component), number.value.into());
+    }
 }
 
 fn edit_body(table: &mut Table, new: &MassProperties) {

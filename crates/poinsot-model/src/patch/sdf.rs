@@ -1,12 +1,12 @@
 //! SDF, the robot description of Gazebo and Drake.
 
 use super::xml::{Format, UPPER, Wanted, numbers, only, tensor, words};
-use super::{BodyProperties, Patched};
+use super::{Measured, Patched, Spring};
 use crate::urdf::ELEMENTS;
 use poinsot_spatial::MassProperties;
 use roxmltree::Node;
 
-/// Writes mass properties into the text of an SDF file. The axes of an `<inertial>` become those of its link.
+/// Writes mass properties into the text of an SDF file, and the springs of joints. The axes of an `<inertial>` become those of its link.
 ///
 /// # Errors
 /// The text is not XML, or the result does not read back.
@@ -20,14 +20,15 @@ use roxmltree::Node;
 /// assert!(patched.text.contains("<mass>10.0</mass>") && patched.missing.is_empty());
 /// # Ok::<(), String>(())
 /// ```
-pub fn patch_sdf(text: &str, bodies: &[BodyProperties]) -> Result<Patched, String> {
+pub fn patch_sdf(text: &str, measured: &Measured) -> Result<Patched, String> {
     let format = Format {
         tag: "link",
         depth: usize::MAX,
         wanted,
         read,
+        spring: Some(spring),
     };
-    format.patched(text, bodies)
+    format.patched(text, measured)
 }
 
 fn wanted(_: Node<'_, '_>, new: &MassProperties) -> Wanted {
@@ -41,6 +42,19 @@ fn wanted(_: Node<'_, '_>, new: &MassProperties) -> Wanted {
     ];
     // With `auto`, Gazebo computes other numbers from the shapes.
     Wanted::holding("inertial", parts).without(&["auto"])
+}
+
+fn spring(_: Node<'_, '_>, new: &Spring) -> Wanted {
+    let all = [
+        ("damping", new.damping),
+        ("spring_reference", new.rest),
+        ("spring_stiffness", new.stiffness),
+    ];
+    let given = all
+        .into_iter()
+        .filter_map(|(name, x)| Some(Wanted::saying(name, words(&[x?]))));
+    let dynamics = Wanted::holding("dynamics", given.collect());
+    Wanted::holding("joint", vec![Wanted::holding("axis", vec![dynamics])])
 }
 
 fn read(link: Node<'_, '_>) -> Option<MassProperties> {

@@ -1,7 +1,7 @@
 //! URDF, the robot description of ROS.
 
 use super::xml::{Format, UPPER, Wanted, numbers, only, tensor, words};
-use super::{BodyProperties, Patched};
+use super::{Measured, Patched};
 use crate::urdf::{ELEMENTS, rotation};
 use poinsot_spatial::{MassProperties, Matrix3};
 use roxmltree::Node;
@@ -22,14 +22,15 @@ use roxmltree::Node;
 /// assert!(patched.text.contains(r#"<mass value="10.0"/>"#) && patched.missing.is_empty());
 /// # Ok::<(), String>(())
 /// ```
-pub fn patch_urdf(text: &str, bodies: &[BodyProperties]) -> Result<Patched, String> {
+pub fn patch_urdf(text: &str, measured: &Measured) -> Result<Patched, String> {
     let format = Format {
         tag: "link",
         depth: 2,
         wanted,
         read,
+        spring: None,
     };
-    format.patched(text, bodies)
+    format.patched(text, measured)
 }
 
 fn wanted(link: Node<'_, '_>, new: &MassProperties) -> Wanted {

@@ -1,10 +1,14 @@
 //! Edits of an XML text at the places of its elements. What is not edited keeps its bytes: comments, blanks, order, quotes.
 
-use super::{BodyProperties, Patched};
+use super::{Measured, Patched, Spring};
 use crate::urdf::{ELEMENTS, excess};
 use poinsot_spatial::{MassProperties, Matrix3};
 use roxmltree::{Attribute, Document, Node};
+use std::collections::BTreeSet;
 use std::ops::Range;
+
+/// Element of a joint in every format.
+const JOINT: &str = "joint";
 
 /// Largest relative change of a tensor element by rotation and back.
 const ROUNDING: f64 = 1.0e-12;
@@ -22,20 +26,37 @@ pub(super) struct Format {
     pub wanted: fn(Node<'_, '_>, &MassProperties) -> Wanted,
     /// Reads them; `None` if they are not there exactly once.
     pub read: fn(Node<'_, '_>) -> Option<MassProperties>,
+    /// A `<joint>` with a spring; `None` where the format has none.
+    pub spring: Option<fn(Node<'_, '_>, &Spring) -> Wanted>,
 }
 
 impl Format {
-    /// Edits the element of every body, and reads the written text back.
-    pub fn patched(&self, text: &str, bodies: &[BodyProperties]) -> Result<Patched, String> {
+    /// Edits the element of every body and joint, and reads the written text back.
+    pub fn patched(&self, text: &str, measured: &Measured) -> Result<Patched, String> {
+        let bodies = &measured.bodies;
         let old = document(text)?;
         let (mut edits, mut missing) = (Edits::new(), Vec::new());
         for new in bodies {
-            match self.found(&old, &new.body) {
+            match self.found(&old, self.tag, &new.body) {
                 Some(node) => {
                     let inertial = (self.wanted)(node, &new.properties);
                     Wanted::holding(self.tag, vec![inertial]).edit(node, &mut edits);
                 }
                 None => missing.push(new.body.clone()),
+            }
+        }
+        let mut joints = Vec::new();
+        let springs = self
+            .spring
+            .map(|wanted| (wanted, Spring::all(&measured.numbers)));
+        for (wanted, (name, spring)) in springs
+            .iter()
+            .flat_map(|(w, all)| all.iter().map(move |s| (w, s)))
+        {
+            if let Some(node) = self.found(&old, JOINT, name) {
+                let wanted = wanted(node, spring);
+                wanted.edit(node, &mut edits);
+                joints.push((*name, wanted));
             }
         }
         edits.sort_by_key(|(place, _)| (place.start, place.end));
@@ -46,7 +67,7 @@ impl Format {
         }
         let again = document(&written)?;
         for new in bodies.iter().filter(|new| !missing.contains(&new.body)) {
-            let read = self.found(&again, &new.body).and_then(self.read);
+            let read = self.found(&again, self.tag, &new.body).and_then(self.read);
             if !read.is_some_and(|read| is_same(&read, &new.properties)) {
                 return Err(format!(
                     "<{}> \"{}\": the new mass, mass centre and inertia would not be read back; state each element of its <inertial> once",
@@ -54,15 +75,35 @@ impl Format {
                 ));
             }
         }
+        for (name, wanted) in &joints {
+            if !self
+                .found(&again, JOINT, name)
+                .is_some_and(|node| wanted.is_said_by(node))
+            {
+                return Err(format!(
+                    "<{JOINT}> \"{name}\": the new spring would not be read back; state each element of the joint once"
+                ));
+            }
+        }
+        let parts: BTreeSet<String> = joints.iter().map(|(name, _)| (*name).to_owned()).collect();
         let text = written;
-        Ok(Patched { text, missing })
+        Ok(Patched {
+            text,
+            missing,
+            parts,
+        })
     }
 
-    /// The element of a body; `None` if there is none or several.
-    fn found<'a, 'i>(&self, document: &'a Document<'i>, body: &str) -> Option<Node<'a, 'i>> {
+    /// The element of a name; `None` if there is none or several.
+    fn found<'a, 'i>(
+        &self,
+        document: &'a Document<'i>,
+        tag: &str,
+        name: &str,
+    ) -> Option<Node<'a, 'i>> {
         let mut found = document.descendants().filter(|n| {
-            n.has_tag_name(self.tag)
-                && n.attribute("name") == Some(body)
+            n.has_tag_name(tag)
+                && n.attribute("name") == Some(name)
                 && n.ancestors().filter(Node::is_element).count() <= self.depth
         });
         let first = found.next()?;
@@ -166,6 +207,17 @@ impl Wanted {
         self.attributes
             .extend(names.iter().map(|name| (*name, None)));
         self
+    }
+
+    /// Whether an element says this, each part once.
+    fn is_said_by(&self, node: Node<'_, '_>) -> bool {
+        let given = self.attributes.iter();
+        let has =
+            |(name, value): &(&str, Option<String>)| node.attribute(*name) == value.as_deref();
+        let says = |child: &Self| only(node, child.tag).is_some_and(|own| child.is_said_by(own));
+        given.into_iter().all(has)
+            && (self.text.is_empty() || node.text() == Some(&self.text))
+            && self.children.iter().all(says)
     }
 
     /// A new element, with the prefix of the one around it.

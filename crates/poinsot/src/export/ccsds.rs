@@ -26,10 +26,10 @@ pub(super) fn apm(source: &Source) -> Result<Exported, Error> {
     out.push_str("INERTIA_STOP\n");
     Ok(Exported {
         text: out,
-        left_out: Vec::new(),
         no_field: vec![
             "not exported: mass and mass centre: an APM has no fields for them".to_owned(),
         ],
+        ..Exported::default()
     })
 }
 
@@ -58,6 +58,7 @@ pub(super) fn acm(source: &Source) -> Result<Exported, Error> {
         text: out,
         left_out,
         no_field: vec!["not exported: mass centre: an ACM has no field for it".to_owned()],
+        ..Exported::default()
     })
 }
 

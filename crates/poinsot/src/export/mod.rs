@@ -11,8 +11,8 @@ use crate::error::{Error, unknown};
 use crate::onboard::OnBoard;
 use poinsot_formats::{Address, BodyFile, EstimateFile, read_estimate};
 use poinsot_model::{
-    BodyProperties, Patch, parse_urdf, patch_mjcf, patch_model, patch_sdf, patch_urdf, read_model,
-    read_model_text,
+    BodyProperties, Measured, PartNumber, Patch, parse_urdf, patch_mjcf, patch_model, patch_sdf,
+    patch_urdf, read_model, read_model_text,
 };
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use std::collections::BTreeSet;
@@ -110,7 +110,7 @@ impl FromStr for Target {
 }
 
 /// An exported file.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Exported {
     /// The text.
     pub text: String,
@@ -118,6 +118,8 @@ pub struct Exported {
     pub left_out: Vec<String>,
     /// Numbers without a field in the format.
     pub no_field: Vec<String>,
+    /// Modes, joints and other parts beside bodies whose numbers are in the text.
+    pub parts: BTreeSet<String>,
 }
 
 /// Exports `folder/estimate.json`. `onto` is the source file of the vehicle, for formats that are patched. Unreliable
@@ -239,11 +241,24 @@ pub fn export_estimate(
             _ => onboard::text(&source),
         },
     }?;
-    let all = estimate.nuisance.keys().map(|key| Address::parse(key));
-    let all: Vec<Address> = all.collect();
+    if !matches!(to, Target::Csv | Target::Onboard) {
+        let parts: Vec<String> = unplaced(estimate, &exported).collect();
+        exported.no_field.extend(parts);
+    }
+    Ok(exported)
+}
+
+/// A line for the modes, and one for the springs, that the written file has no place for.
+fn unplaced(estimate: &EstimateFile, exported: &Exported) -> impl Iterator<Item = String> {
+    let all: Vec<Address> = estimate
+        .nuisance
+        .keys()
+        .map(|key| Address::parse(key))
+        .collect();
     let owners = |begins: &[&str]| {
         let own = |a: &&Address| begins.iter().any(|b| a.quantity().starts_with(b));
-        let owners: BTreeSet<&str> = all.iter().filter(own).map(|a| a.owner()).collect();
+        let owners = all.iter().filter(own).map(|a| a.owner());
+        let owners: BTreeSet<&str> = owners.filter(|o| !exported.parts.contains(*o)).collect();
         owners.into_iter().collect::<Vec<_>>().join(", ")
     };
     let parts = [
@@ -255,17 +270,11 @@ pub fn export_estimate(
         (
             owners(&["stiffness_", "damping_N", "rest_"]),
             "springs of",
-            "copy their numbers from nuisance",
+            "the file has no place for them; copy their numbers from nuisance",
         ),
     ];
-    for (names, what, why) in parts {
-        if !names.is_empty() && !matches!(to, Target::Csv | Target::Onboard) {
-            exported
-                .no_field
-                .push(format!("not exported: {what} {names}: {why}"));
-        }
-    }
-    Ok(exported)
+    let named = parts.into_iter().filter(|(names, ..)| !names.is_empty());
+    named.map(|(names, what, why)| format!("not exported: {what} {names}: {why}"))
 }
 
 /// Estimate to be exported, and its name in messages.
@@ -295,6 +304,21 @@ impl Source<'_> {
             }
         }
         (determined, left_out)
+    }
+
+    /// Determined numbers of modes, joints and other parts.
+    fn numbers(&self) -> Vec<PartNumber> {
+        let all = self.estimate.nuisance.iter();
+        let numbers = all.filter_map(|(address, number)| {
+            let address = Address::parse(address);
+            Some(PartNumber {
+                part: address.owner().to_owned(),
+                key: address.quantity().to_owned(),
+                component: address.component().map(str::to_owned),
+                value: number.value?,
+            })
+        });
+        numbers.collect()
     }
 
     /// Why the numbers are not reliable, one line each.
@@ -341,7 +365,9 @@ fn patched(source: &Source, to: Target, patch: Patch, onto: &Path) -> Result<Exp
     left_out
         .iter_mut()
         .for_each(|line| line.push_str("; the file's numbers stay"));
-    let patched = patch(&text, &bodies).map_err(|why| Error::report(onto, why, ""))?;
+    let numbers = source.numbers();
+    let measured = Measured { bodies, numbers };
+    let patched = patch(&text, &measured).map_err(|why| Error::report(onto, why, ""))?;
     let missing = patched.missing.iter();
     left_out.extend(missing.map(|name| {
         let what = match to {
@@ -350,14 +376,15 @@ fn patched(source: &Source, to: Target, patch: Patch, onto: &Path) -> Result<Exp
         };
         format!("not exported: {name}: the file has not exactly one {what} of this name")
     }));
-    if bodies.len() == patched.missing.len() {
+    if measured.bodies.len() == patched.missing.len() {
         let also = format!(", or give the {} file of the model", to.name());
         return Err(source.nothing(&left_out, &also));
     }
     Ok(Exported {
         text: marked(source, to, patched.text),
         left_out,
-        no_field: Vec::new(),
+        parts: patched.parts,
+        ..Exported::default()
     })
 }
 

@@ -45,6 +45,6 @@ pub(super) fn text(source: &Source) -> Result<Exported, Error> {
     Ok(Exported {
         text,
         left_out,
-        no_field: Vec::new(),
+        ..Exported::default()
     })
 }

@@ -34,7 +34,6 @@ pub(super) fn text(source: &Source) -> Exported {
     rows.extend(nuisance.map(|(name, number)| row("", name, "", number)));
     Exported {
         text: csv_text(rows),
-        left_out: Vec::new(),
-        no_field: Vec::new(),
+        ..Exported::default()
     }
 }
