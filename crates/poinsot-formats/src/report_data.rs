@@ -63,6 +63,9 @@ pub struct Segment {
     pub joints: Vec<Row>,
     /// Wheels: name, unit, speeds.
     pub wheels: Vec<Row>,
+    /// Flexible modes: name, unit, amplitudes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub modes: Vec<Row>,
     /// Firings: thruster, start s, end s, force N.
     pub firings: Vec<(String, f64, f64, f64)>,
 }

@@ -1,14 +1,14 @@
 //! Sensitivity of the answer to the known numbers.
 
 use crate::answer::covariance::Row;
-use crate::diagnosis::Assumed;
+use crate::diagnosis::{Assumed, Deflection};
 use crate::fit::known_numbers::Effects;
 use crate::problem::parameters::Equations;
 use crate::solution::estimate::{KnownEffect, KnownNumbers};
 use crate::solution::evidence::Remark;
 use crate::solution::solved::Solution;
 use nalgebra::DVector;
-use poinsot_model::{KnownNumber, Model, Sensor, SensorKind};
+use poinsot_model::{FlexibleMode, KnownNumber, Model, Sensor, SensorKind};
 use std::collections::HashSet;
 
 /// Sigmas without the known numbers, and the effect of each; `rows` are those of the covariance.
@@ -135,6 +135,40 @@ fn reference_point<'a>(
     sizes.max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
+/// Each mode to first order, with the moment of inertia of its body that what is left out changes most.
+fn first_order<'a>(
+    model: &Model,
+    solution: &Solution,
+    rows: &'a [Row],
+) -> Vec<(Assumed, Option<(f64, &'a String)>)> {
+    let own = solution.likelihood.as_ref();
+    let deflections = own.map_or(&[][..], |own| &own.diagnostics.deflections);
+    let of = |(mode, moves): (&FlexibleMode, &Deflection)| {
+        let body = &model.bodies[mode.mode.body].name;
+        let is_moment = |row: &&Row| {
+            let own = row.name.strip_prefix(body.as_str());
+            own.is_some_and(|own| ["_xx", "_yy", "_zz"].iter().any(|end| own.ends_with(end)))
+        };
+        let sizes = rows.iter().filter(is_moment).filter_map(|row| {
+            let sigma = sigma_of_row(solution, row);
+            (sigma > 0.0).then(|| (moves.mean_square / sigma, &row.name))
+        });
+        let assumed = Assumed {
+            what: format!(
+                "{} to first order in its amplitude, at most {:.2e} kg05 m",
+                mode.name, moves.largest
+            ),
+            change: format!(
+                "the inertia of second order, {:.1e} kg m2 at most,",
+                moves.mean_square
+            ),
+            shift: Vec::new(),
+        };
+        (assumed, sizes.max_by(|a, b| a.0.total_cmp(&b.0)))
+    };
+    model.modes.iter().zip(deflections).map(of).collect()
+}
+
 /// One remark for each assumption that no sample tells of: what the answer owes to it. Of those of one kind the largest is told.
 pub(crate) fn assumptions(model: &Model, solution: &Solution, rows: &[Row]) -> Vec<Remark> {
     let own = solution.likelihood.as_ref();
@@ -158,6 +192,8 @@ pub(crate) fn assumptions(model: &Model, solution: &Solution, rows: &[Row]) -> V
         shift: Vec::new(),
     };
     effects.extend(reference_point(model, solution, rows).map(|largest| (&point, Some(largest))));
+    let modes = first_order(model, solution, rows);
+    effects.extend(modes.iter().map(|(of, largest)| (of, *largest)));
     let size = |effect: &Option<(f64, &String)>| effect.as_ref().map_or(0.0, |e| e.0);
     effects.sort_by(|a, b| size(&b.1).total_cmp(&size(&a.1)));
     let mut told: HashSet<&str> = HashSet::new();

@@ -28,7 +28,7 @@ mod table;
 mod types;
 
 pub(crate) use channels::whiteness;
-pub(crate) use types::{Assumed, COLOURED};
+pub(crate) use types::{Assumed, COLOURED, Deflection};
 pub use types::{
     ChannelDiagnosis, Diagnostics, FaultKind, Finding, HeldOut, MomentumDrift, SensorLag,
     SpectralLine, Suspect, SuspectValue,
@@ -36,6 +36,8 @@ pub use types::{
 
 use crate::fit::Fitted;
 use crate::fit::experiment::Experiment;
+use crate::likelihood::start;
+use crate::motion::{Motion, tilted};
 use candidates::{assumptions, candidates};
 use projected::Projected;
 use shared_noise::SharedNoise;
@@ -137,6 +139,7 @@ fn weighed(
     out: &mut Diagnostics,
     mistake: Option<Suspect>,
 ) -> Option<Table> {
+    out.deflections = deflections(experiment, fitted);
     let (candidates, held) = candidates(experiment, fitted);
     let table = Table::new(experiment, fitted, &candidates, held);
     let about = (candidates.as_slice(), table.as_ref());
@@ -198,6 +201,41 @@ fn assumed(
         shift: slope.iter().map(|s| s * assumption.step).collect(),
     };
     pairs.map(of).collect()
+}
+
+/// How far the modes move; empty without any, or without a motion.
+fn deflections(experiment: &Experiment, fitted: &Fitted) -> Vec<Deflection> {
+    let mut all = vec![Deflection::default(); experiment.problem.model.modes.len()];
+    let mut instants = 0_u32;
+    let (x, setting) = (&fitted.at.x, experiment.setting());
+    let tree = tilted(experiment.problem.tree, experiment.parameters, x);
+    if all.is_empty() {
+        return all;
+    }
+    for (s, segment) in experiment.problem.segments.iter().enumerate() {
+        let vehicle = setting.vehicle(&tree, (s, segment), x);
+        let initial = &fitted.at.initial_states[s];
+        let (mut state, _) = start(initial, experiment.unknown[s], x.len());
+        let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0);
+        let samples = segment.observations.time_s.len();
+        for k in 0..samples {
+            for (own, y) in all.iter_mut().zip(state.internal.iter().step_by(2)) {
+                own.largest = own.largest.max(y.abs());
+                own.mean_square += y * y;
+            }
+            instants += 1;
+            match (k + 1 < samples)
+                .then(|| motion.advance(&state, k))
+                .flatten()
+            {
+                Some(next) => state = next,
+                None => break,
+            }
+        }
+    }
+    all.iter_mut()
+        .for_each(|own| own.mean_square /= f64::from(instants.max(1)));
+    all
 }
 
 /// Mean turn between grid times by the gyro, rad.

@@ -42,6 +42,18 @@ pub struct Diagnostics {
     pub findings: Vec<Finding>,
     /// Assumptions that no sample tells of.
     pub(crate) assumed: Vec<Assumed>,
+    /// How far each mode moves.
+    pub(crate) deflections: Vec<Deflection>,
+}
+
+/// Amplitude of a mode along the records, kg^1/2 m.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Deflection {
+    /// Largest size.
+    pub largest: f64,
+    /// Its mean square: the inertia, kg m2, that the mode adds on the average at most in second order, since its shape is normalised
+    /// to a mean square of one by mass.
+    pub mean_square: f64,
 }
 
 /// An assumption, and how the mass properties move where it fails by a stated change.

@@ -332,6 +332,7 @@ impl<'a> Recorder<'a> {
                 momentum,
                 joints: moving.map(|j| row(&j.name, position(j))).collect(),
                 wheels: model.wheels.iter().map(|w| row(&w.name, "rad/s")).collect(),
+                modes: model.modes.iter().map(|m| row(&m.name, "kg05 m")).collect(),
                 firings: firings.collect(),
                 ..Prediction::default()
             },
@@ -372,6 +373,19 @@ impl<'a> Recorder<'a> {
         let (dof, wheels) = (vehicle.tree.dof(), vehicle.tree.rotors.len());
         for (joint, row) in p.joints.iter_mut().enumerate() {
             row.values.push(o.joint_position[k * dof + joint]);
+        }
+        for (k, row) in p.modes.iter_mut().enumerate() {
+            row.values.push(state.internal[2 * k]);
+        }
+        for (k, joint) in vehicle.passive.joints().iter().enumerate() {
+            let Some(q) = p
+                .joints
+                .get_mut(joint.coordinate)
+                .and_then(|row| row.values.last_mut())
+            else {
+                continue;
+            };
+            *q = state.internal[2 * (vehicle.modes.len() + k)];
         }
         for (wheel, row) in p.wheels.iter_mut().enumerate() {
             row.values.push(o.wheel_speed[k * wheels + wheel]);

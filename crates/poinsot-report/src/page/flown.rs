@@ -58,6 +58,13 @@ fn plots(record: usize, s: &Segment, envelope: &Envelope) -> Vec<(&'static str, 
         (&s.joints, "rad", "joint_angles", "joint positions", "q"),
         (&s.joints, "m", "joint_travels", "joint positions", "q"),
         (&s.wheels, "rad/s", "wheel_speeds", "wheel speeds", "Omega"),
+        (
+            &s.modes,
+            "kg05 m",
+            "mode_amplitudes",
+            "amplitudes of flexible modes",
+            "y",
+        ),
     ] {
         let alike = rows.iter().filter(|r| r.unit == unit);
         let alike: Vec<(&str, &[f64])> = alike

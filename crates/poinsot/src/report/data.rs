@@ -152,7 +152,7 @@ fn segment(mut p: Prediction) -> Segment {
     times(&mut p.time_s);
     rounded(p.omega_rad_s.iter_mut().flatten());
     rounded(p.q_xyzw.iter_mut().flatten());
-    let rows = p.joints.iter_mut().chain(&mut p.wheels);
+    let rows = p.joints.iter_mut().chain(&mut p.wheels).chain(&mut p.modes);
     rounded(rows.flat_map(|row| &mut row.values));
     p.firings.truncate(FIRINGS);
     p
