@@ -607,6 +607,53 @@ def panels(family, unknown=False):
     tracker(family, at[::5], attitude[:, ::5], 5e-5)
 
 
+def whole(bodies, joints, q):
+    """Mass, mass centre and inertia of a tree at rest with its joints there, in the frame of the base."""
+    turned, origin, _ = Swinging(Vehicle(bodies, joints), None).place(q)
+    at = [o for o in origin]
+    for k, (parent, *_) in enumerate(joints):
+        at[k + 1] = at[parent] + origin[k + 1]
+    places = [o + times(t, c) for (_, c, _), t, o in zip(bodies, turned, at)]
+    mass = sum(m for m, *_ in bodies)
+    centre = sum(m[:, None] * p for (m, *_), p in zip(bodies, places)) / mass[:, None]
+    about = 0.0
+    for (m, _, own), t, p in zip(bodies, turned, places):
+        arm = cross_matrix(p - centre)
+        about = about + t @ own @ np.swapaxes(t, -1, -2) - m[:, None, None] * arm @ arm
+    return mass, centre, about
+
+
+def hidden(family, count_of, share, low_Hz, high_Hz, ratio, gyro_sigma=2e-5, rate_hz=10.0):
+    """A bus with appendages on springs that the model does not have: it is one rigid body."""
+    draw = family.draw
+    count = len(family.seeds)
+    body = bus(draw, 100.0, 600.0)
+    bodies, chain, about = [body], [], []
+    for _ in range(count_of):
+        mass = share / count_of * body[0] * draw.uniform(0.6, 1.6)
+        length = draw.uniform(0.4, 2.5)
+        own = mass[:, None] * np.stack([length**2, np.full(count, 0.3), length**2 + 0.3], axis=-1) / 12
+        bodies.append((mass, np.stack([0 * mass, length / 2, 0 * mass], axis=-1), np.einsum("si,ij->sij", own, np.eye(3))))
+        about.append(own[:, 0] + mass * length**2 / 4)
+        seat = matrix(draw.turn())
+        chain.append((0, 0.6 * draw.direction(), seat, np.array([1.0, 0, 0]) + np.zeros((count, 3))))
+    springs = (*held(np.stack(about, axis=-1), draw, low_Hz, high_Hz, ratio), np.zeros((count, count_of)))
+    still = whole(bodies, chain, springs[2])
+    least = np.linalg.eigvalsh(still[2])[:, 0]
+    all = [(0, a, least * draw.uniform(3e-4, 8e-4)) for a in axes(3, draw)]
+    curve = Curve(draw, 3, 100.0, (8.0, 80.0))
+    family.bodies([still], {0: '["inertia"]'})
+    wheel_texts(family, all)
+    at = grid(240.0, rate_hz)
+    joints = (springs[2], np.zeros((count, count_of)))
+    swinging = Swinging(Vehicle(bodies, chain, all), springs)
+    step = 0.5 / rate_hz
+    attitude, place, rates, velocity = swing(swinging, curve, start(draw, 0.003), joints, at, step)
+    wheels(family, at, curve, 0.01)
+    gyro(family, at, rates, gyro_sigma)
+    tracker(family, at[::5], attitude[:, ::5], 5e-5)
+
+
 def pendulum(family, rate=0.003, force=4.0, unknown="true"):
     """A bus with propellant as a pendulum of two hinges, or of one without a spring where it spins, under thrust."""
     draw = family.draw
@@ -687,6 +734,10 @@ FAMILIES = {
     "thrusters_common": lambda f: all_ten(f, 0.1, 2e-3, drawn=0.02, common=0.05),
     "panels": panels,
     "panels_unknown": lambda f: panels(f, unknown=True),
+    "hidden_one": lambda f: hidden(f, 1, 0.03, 0.06, 0.6, 0.005),
+    "hidden_two": lambda f: hidden(f, 2, 0.05, 0.06, 1.0, 0.005),
+    "hidden_light": lambda f: hidden(f, 1, 0.004, 0.1, 1.5, 0.003, gyro_sigma=1e-5),
+    "hidden_damped": lambda f: hidden(f, 2, 0.04, 0.05, 0.4, 0.03),
     "pendulum_thrust": pendulum,
     "pendulum_spinner": lambda f: pendulum(f, rate=2 * np.pi * 3.0 / 60, unknown='["inertia"]'),
 }

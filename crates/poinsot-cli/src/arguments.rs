@@ -124,8 +124,10 @@ pub enum Verb {
     /// Check a model, map, case, plan or answer, and print its content.
     #[command(after_help = "Example: poinsot check model.toml")]
     Check(Check),
-    /// Convert a URDF file into a model file (poinsot.model/1).
-    #[command(after_help = "Example: poinsot import robot.urdf -o model.toml")]
+    /// Convert a URDF file into a model file (poinsot.model/1), or a table of modes into its `[[mode]]` tables.
+    #[command(
+        after_help = "Examples:\n  poinsot import robot.urdf -o model.toml\n  poinsot import modes.csv --body bus >> model.toml"
+    )]
     Import(Import),
     /// Write the answer of `identify` into the file of another program.
     ///
@@ -265,9 +267,10 @@ fn span(text: &str) -> Result<[f64; 2], String> {
 /// Arguments of `import`.
 #[derive(Debug, Args)]
 pub struct Import {
-    /// Robot (URDF).
-    #[arg(value_name = "ROBOT.urdf")]
-    pub urdf: PathBuf,
+    /// Robot (URDF), or a table of modes (CSV) as finite-element programs print it: frequency and mass-normalised participation
+    /// factors T1, T2, T3, R1, R2, R3 about the origin of the body's frame, the body held.
+    #[arg(value_name = "ROBOT.urdf|MODES.csv")]
+    pub file: PathBuf,
     /// Model file to write. Default: standard output.
     #[arg(long, short = 'o', value_name = "MODEL.toml")]
     pub out: Option<PathBuf>,
@@ -275,6 +278,9 @@ pub struct Import {
     /// reversed and keep their positions; one that moves gets a new link without mass, named NAME_frame. Default: the root.
     #[arg(long, value_name = "LINK")]
     pub base: Option<String>,
+    /// Body that carries the modes of a table.
+    #[arg(long, value_name = "BODY", conflicts_with_all = ["base", "allow_massless"])]
+    pub body: Option<String>,
     /// Fix links to their parents that move without mass (dummy links), instead of refusing them.
     #[arg(long)]
     pub allow_massless: bool,

@@ -117,6 +117,7 @@ mod init;
 mod mass_numbers;
 pub mod methods;
 mod mixups;
+mod mode_table;
 mod motor_torque;
 pub mod onboard;
 mod output;
@@ -152,6 +153,7 @@ pub use identify::{
 };
 pub use import::import;
 pub use init::init;
+pub use mode_table::{ModeTable, import_modes};
 pub use output::{estimate_text, result_files, write_estimate, write_result};
 pub use poinsot_formats::EstimateFile;
 pub use poinsot_identify::{Coordinates, Modes};

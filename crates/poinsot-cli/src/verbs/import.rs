@@ -2,16 +2,16 @@
 
 use super::{Outcome, note, print_file, written};
 use crate::arguments::Import;
-use poinsot::check_outputs;
+use poinsot::{Error, check_outputs};
 use poinsot_model::UrdfOptions;
 
 pub fn run(arguments: &Import) -> Outcome {
-    check_outputs("-o", arguments.out.as_slice(), &[&arguments.urdf])?;
-    let options = UrdfOptions {
-        allow_massless: arguments.allow_massless,
-        base: arguments.base.clone(),
+    let file = &arguments.file;
+    check_outputs("-o", arguments.out.as_slice(), &[file])?;
+    let (text, notes) = match &arguments.body {
+        Some(body) => modes(arguments, body)?,
+        None => robot(arguments)?,
     };
-    let (model, text) = poinsot::import(&arguments.urdf, &options)?;
     match &arguments.out {
         Some(path) => {
             poinsot::write_file(path, text.as_bytes())?;
@@ -19,16 +19,49 @@ pub fn run(arguments: &Import) -> Outcome {
         }
         None => print_file(&text),
     }
-    if arguments.quiet {
-        return Ok(0);
+    if !arguments.quiet {
+        notes.iter().for_each(|line| note(line));
     }
-    for found in &model.notes {
-        note(&format!("note: {}:{found}", arguments.urdf.display()));
+    Ok(0)
+}
+
+/// A text to write, and what to say of it.
+type Imported = (String, Vec<String>);
+
+fn robot(arguments: &Import) -> Result<Imported, Error> {
+    let file = &arguments.file;
+    let options = UrdfOptions {
+        allow_massless: arguments.allow_massless,
+        base: arguments.base.clone(),
+    };
+    if file
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("csv"))
+    {
+        let problem = "a table of modes does not say which body carries them";
+        let advice = "name the body by --body";
+        return Err(Error::usage("import", file.display(), problem, advice));
     }
-    note(&format!(
+    let (model, text) = poinsot::import(file, &options)?;
+    let said = model
+        .notes
+        .iter()
+        .map(|found| format!("note: {}:{found}", file.display()));
+    let mut notes: Vec<String> = said.collect();
+    notes.push(format!(
         "{} bodies, {} joints; add sensors with their noise, and set estimate on the unknown bodies",
         model.bodies.len(),
         model.joints.len()
     ));
-    Ok(0)
+    Ok((text, notes))
+}
+
+fn modes(arguments: &Import, body: &str) -> Result<Imported, Error> {
+    let modes = poinsot::import_modes(&arguments.file, body)?;
+    let left = modes.notes.iter().map(|line| format!("left out: {line}"));
+    let mut notes: Vec<String> = left.collect();
+    notes.push(format!(
+        "append these tables to the model of {body}, whose mass properties contain what moves; `estimate` asks for their numbers"
+    ));
+    Ok((modes.text, notes))
 }

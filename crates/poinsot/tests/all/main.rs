@@ -40,6 +40,7 @@ mod many_sensors;
 mod map_keys;
 mod methods;
 mod mixed_up;
+mod mode_table;
 mod motor_torque;
 mod mutations;
 mod noisy_files;
