@@ -99,13 +99,17 @@ pub(crate) fn octaves(white: &[Vector3], numbers: usize, loss: Loss) -> Vec<Octa
 
 /// Whether every octave of every residual is as large as the declared noise says, all tests together at `false_alarm`.
 pub(crate) fn consistent(evaluated: &[Evaluated], settings: &Settings) -> bool {
+    chance(evaluated, settings) > settings.false_alarm
+}
+
+/// Chance of an octave as large as the largest of all residuals, at most one for each of them.
+pub(crate) fn chance(evaluated: &[Evaluated], settings: &Settings) -> f64 {
     let channels = evaluated.iter().flat_map(|e| &e.channels);
     let levels: Vec<Octave> = channels
         .flat_map(|c| octaves(&c.white, c.numbers, settings.loss))
         .collect();
-    let count = levels.len() as f64;
-    let passes = |level: &Octave| level.p_value(1.0) * count > settings.false_alarm;
-    levels.iter().all(passes)
+    let each = levels.iter().map(|level| level.p_value(1.0));
+    each.fold(1.0, f64::min) * levels.len() as f64
 }
 
 #[cfg(test)]

@@ -26,9 +26,10 @@ use poinsot_model::{FlexibleMode, Mode, ModeEstimate, Model};
 use poinsot_spatial::{Matrix3, TENSOR, Vector3};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// Least decrease of chi-square for a mode, beyond that of a wave of constant amplitude: a scan over some thousand frequencies finds
-/// up to 40 by chance.
+/// Least decrease of chi-square for a mode: a scan over some thousand frequencies finds up to 40 by chance.
 const EVIDENCE: f64 = 60.0;
+/// Numbers by which the answer of a mode to the motion differs from a wave of constant amplitude.
+const ANSWERS: usize = 5;
 /// Share of the inertia about its axis that a mode carries at the start of its fit, at least, at most, and where its answer to
 /// the motion does not tell.
 const LEAST_SHARE: f64 = 0.01;
@@ -39,6 +40,9 @@ const USUAL_SHARE: f64 = 0.1;
 const NOTABLE: f64 = 0.1;
 /// Iterations with one more mode: a good start needs five to ten.
 const REFITS: usize = 15;
+/// Chance of a residual of the rigid vehicle below which modes are looked for: a mode may hide in one that no test rejects, and be many
+/// sigmas of the answer.
+const SUSPICIOUS: f64 = 0.02;
 /// Damping, in its sigmas, below which a mode is not told from a disturbance of constant amplitude.
 const DAMPED: f64 = 3.0;
 
@@ -141,7 +145,8 @@ fn with_modes(
     let before = rigid.solution.residual.0;
     ended.solution.remarks.push(evidence(&own, before, &ended));
     let estimate = answer::write(&own, &ended.solution);
-    if estimate.is_doubted() {
+    // Torque at random explains a mode too, with wrong numbers: the more probable of the two is the answer.
+    if estimate.is_doubted() || ended.cost >= rigid.cost {
         return Ok(None);
     }
     ended.solution.remarks.extend(undamped(&own, &estimate));
@@ -151,25 +156,26 @@ fn with_modes(
     }))
 }
 
-/// Whether modes may explain the data: the rigid fit ended without explaining them, and so does no other cause.
+/// Whether modes may explain the data: the rigid fit leaves a residual that is hardly by chance, or torque at random alone explains it,
+/// and no other cause does.
 fn is_asked(problem: &Problem, settings: Settings, rigid: &FinishedFit) -> bool {
     let Some(own) = rigid.solution.likelihood.as_ref() else {
         return false;
     };
     let found = &own.diagnostics;
-    let excess = found.chi2 - found.dof as f64;
+    let excess = (found.chi2 - found.dof as f64).max(EVIDENCE);
     let explained = |s: &Suspect| excess - s.decrease < NOTABLE * excess;
     let coloured = |fit: &SegmentFit| {
         let mut p = fit.channels.iter().filter_map(|c| c.whiteness_p);
-        p.any(|p| p < settings.false_alarm)
+        p.any(|p| p < SUSPICIOUS)
     };
+    let is_open = rigid.plain.chance < SUSPICIOUS || rigid.solution.fit.iter().any(coloured);
     settings.modes == Modes::Found
         && !settings.undiagnosed
         && problem.internal_states() == 0
-        && rigid.solution.fit.iter().any(coloured)
         && !problem.sees_points()
         && own.found
-        && found.is_misfit()
+        && is_open
         && !found.suspects.first().is_some_and(explained)
 }
 
@@ -183,11 +189,19 @@ struct Search<'a> {
 
 impl<'a> Search<'a> {
     fn new(problem: &Problem<'a>, settings: Settings, rigid: &'a FinishedFit) -> Self {
+        let taken = rigid.segments.as_deref().unwrap_or(problem.segments);
         let own = rigid.solution.likelihood.as_ref();
+        let (segments, alternative) = match rigid.plain.replaced {
+            true => (problem.segments, rigid.plain.alternative),
+            false => (
+                taken,
+                own.map_or_else(Alternative::default, |own| own.alternative),
+            ),
+        };
         Self {
-            problem: problem.with_segments(rigid.segments.as_deref().unwrap_or(problem.segments)),
+            problem: problem.with_segments(segments),
             settings,
-            alternative: own.map_or_else(Alternative::default, |own| own.alternative),
+            alternative,
         }
     }
 
@@ -227,30 +241,30 @@ impl<'a> Search<'a> {
             fitted: start,
             parameters,
         };
-        while now.model.modes.len() < MOST_MODES && !self.explains(&now) {
-            let Some(mode) = self.seen_mode(&now) else {
+        while now.model.modes.len() < MOST_MODES {
+            let Some((mode, steady)) = self.seen_mode(&now) else {
                 break;
             };
             let mut model = now.model.clone();
             model.modes.push(mode);
             match self.refitted(&now, model)? {
-                Some(next) if next.fitted.is_found() && next.lowers(&now) > EVIDENCE => now = next,
+                Some(next) if next.fitted.is_found() && self.is_mode(next.lowers(&now), steady) => {
+                    now = next;
+                }
                 _ => break,
             }
         }
         if now.model.modes.is_empty() {
             return Ok(None);
         }
-        if !self.explains(&now) {
-            let mut model = now.model.clone();
-            for mode in &mut model.modes {
-                mode.estimate.inertia_slope = true;
-            }
-            if let Some(next) = self.refitted(&now, model)?
-                && next.lowers(&now) > self.by_chance(TENSOR.len() * now.model.modes.len())
-            {
-                now = next;
-            }
+        let mut model = now.model.clone();
+        for mode in &mut model.modes {
+            mode.estimate.inertia_slope = true;
+        }
+        let slopes = TENSOR.len() * now.model.modes.len();
+        match self.refitted(&now, model)? {
+            Some(next) if next.lowers(&now) > self.by_chance(slopes) => now = next,
+            _ => {}
         }
         let left = excess(&now.fitted) < NOTABLE * rigid_excess;
         Ok((left || self.explains(&now)).then_some(now))
@@ -299,13 +313,18 @@ impl<'a> Search<'a> {
         }))
     }
 
-    /// The mode that the residual shows, as far as it does.
-    fn seen_mode(&self, now: &Found) -> Option<FlexibleMode> {
+    /// Whether a mode explains this decrease of chi-square, and a wave of constant amplitude so much less.
+    fn is_mode(&self, decrease: f64, steady: f64) -> bool {
+        decrease > EVIDENCE && decrease - steady > self.by_chance(ANSWERS).max(NOTABLE * steady)
+    }
+
+    /// The mode that the residual shows, as far as it does, and what a wave of constant amplitude explains.
+    fn seen_mode(&self, now: &Found) -> Option<(FlexibleMode, f64)> {
         let own = self.of(&now.model);
         let experiment = self.experiment(&own, &now.parameters);
         let seen = oscillation(&experiment, &now.fitted.evaluated)?;
         let excess = excess(&now.fitted).max(0.0);
-        if seen.decrease < (EVIDENCE + seen.steady).max(NOTABLE * excess) {
+        if seen.decrease < EVIDENCE.max(seen.steady).max(NOTABLE * excess) {
             return None;
         }
         let bodies = now.parameters.bodies(&now.at.x);
@@ -317,7 +336,7 @@ impl<'a> Search<'a> {
             rotation: true,
             ..ModeEstimate::default()
         };
-        Some(FlexibleMode {
+        let mode = FlexibleMode {
             name: format!("mode{}", now.model.modes.len() + 1),
             mode: Mode {
                 body: 0,
@@ -328,7 +347,8 @@ impl<'a> Search<'a> {
                 inertia_slope: Matrix3::zeros(),
             },
             estimate: every,
-        })
+        };
+        Some((mode, seen.steady))
     }
 }
 

@@ -7,7 +7,7 @@
 
 use crate::certify::continuation::unobservable_set;
 use crate::diagnosis::conflict::{self, priors_against_data};
-use crate::diagnosis::octaves::{consistent, octaves};
+use crate::diagnosis::octaves::{chance, consistent, octaves};
 use crate::diagnosis::{Diagnostics, diagnose, whiteness};
 use crate::fit::alternatives::AlternativeFit;
 use crate::fit::degrees_of_freedom::fitted_numbers;
@@ -24,6 +24,7 @@ use crate::likelihood::{
 use crate::methods::linear::solve_linear;
 use crate::motion::input_curves::extrapolated_inputs;
 use crate::motion::input_noise::approximate;
+use crate::problem::alternative::Alternative;
 use crate::problem::loss::Loss;
 use crate::problem::parameters::{Equations, Parameters, lifted_vector};
 use crate::problem::prior::{Conflict, PriorTest};
@@ -50,6 +51,21 @@ pub(crate) struct FinishedFit {
     pub shifted: Option<ShiftedVehicle>,
     /// The records as the fit took them, where the torque of wheels is a process or the inputs are smoothed.
     pub segments: Option<Vec<Segment>>,
+    /// -2 ln L, up to a constant of the records.
+    pub cost: f64,
+    /// The fit before the torque of wheels was taken as a process.
+    pub plain: PlainFit,
+}
+
+/// What is left by a fit with the plain motion of the wheels.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PlainFit {
+    /// What it assumes.
+    pub alternative: Alternative,
+    /// Whether the answer is another one.
+    pub replaced: bool,
+    /// Chance of a residual like its own.
+    pub chance: f64,
 }
 
 impl FinishedFit {
@@ -64,6 +80,12 @@ impl FinishedFit {
             at: fitted.at.clone(),
             shifted: None,
             segments: None,
+            cost: f64::INFINITY,
+            plain: PlainFit {
+                alternative: experiment.alternative,
+                replaced: false,
+                chance: 0.0,
+            },
         }
     }
 }
@@ -106,6 +128,10 @@ pub(super) fn solve_from(
     let measured = along.is_none();
     let process = measured.then(|| best.wheel_process(explains)).flatten();
     let driven = process.as_ref().map(|process| process.problem(problem));
+    let plain = (
+        best.experiment.alternative,
+        chance(&best.fitted.evaluated, &settings),
+    );
     let best = best.or_random_torque(driven.as_ref(), explains);
     let smoothed = measured.then(|| best.smoothed(explains)).flatten();
     let (smooth, fitted) = smoothed.map(|s| (s.segments, s.fitted)).unzip();
@@ -164,6 +190,12 @@ pub(super) fn solve_from(
         solution,
         at,
         shifted,
+        cost: best.experiment.cost_of(&best.fitted),
+        plain: PlainFit {
+            alternative: plain.0,
+            replaced: at_random,
+            chance: plain.1,
+        },
         segments: smooth
             .or(process.filter(|_| at_random).map(|p| p.segments))
             .or(followed),

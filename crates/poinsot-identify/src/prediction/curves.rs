@@ -58,6 +58,7 @@ pub fn maximum_likelihood_predicted(
         at,
         shifted,
         segments,
+        ..
     } = &explained.ended;
     let taken = problem.with_segments(segments.as_deref().unwrap_or(problem.segments));
     let moved = shifted.as_ref().map(|c| c.problem(&taken));
