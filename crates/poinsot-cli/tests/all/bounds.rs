@@ -436,7 +436,7 @@ fn cli_a_fit_above_the_time_is_ended() {
         ),
         (
             "--set iterations=4000 --limit-hours 1e-5",
-            "E0006 the fits of ",
+            "E0006 the 50 particles of the swarm take at least ",
         ),
     ] {
         refused(&swarm(set), 3, start);
