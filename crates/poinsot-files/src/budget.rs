@@ -46,14 +46,12 @@ pub fn time_limit() -> f64 {
 /// ```
 pub fn check_time(what: &str, seconds: f64) -> Result<(), Faults> {
     let (hours, limit) = (seconds / 3600.0, time_limit());
-    match hours <= limit {
-        true => Ok(()),
-        false => Err(Faults::time(format!(
-            "{what} take at least {} hours, and the limit is {}",
-            short(hours),
-            short(limit)
-        ))),
-    }
+    (hours <= limit).then_some(()).ok_or_else(|| {
+        let (hours, limit) = (short(hours), short(limit));
+        Faults::time(format!(
+            "{what} take at least {hours} hours, and the limit is {limit}"
+        ))
+    })
 }
 
 /// Time of the first parts, s, from which that of all is estimated, and how many times as long as others they may take.
@@ -80,7 +78,7 @@ impl Pace {
         }
     }
 
-    /// Counts `parts` of the work as done, of `total` or more, and checks the time of all of them.
+    /// Counts `parts` of the work as done, of `total` or more, and checks the time of all of them; 0 of 0 checks that it took.
     ///
     /// # Errors
     /// E0006 with both figures where the work has taken longer than the limit of [`limit_hours`], or by its pace will; from
@@ -94,11 +92,7 @@ impl Pace {
         let done = self.done.fetch_add(parts, Ordering::Relaxed) + parts;
         let spent = self.begun.map_or(0.0, |b| b.elapsed().as_secs_f64());
         let of_all = spent * total as f64 / done.max(1) as f64 / UNEVEN;
-        let least = if spent > BEGUN {
-            spent.max(of_all)
-        } else {
-            spent
-        };
+        let least = spent.max(if spent > BEGUN { of_all } else { 0.0 });
         if let Err(over) = check_time(&self.what, least) {
             let _ = self.over.set(over);
         }
@@ -144,14 +138,11 @@ pub fn check_memory(what: &str, bytes: f64) -> Result<(), Faults> {
         return Ok(());
     }
     let limit = memory_limit();
-    match bytes <= limit {
-        true => Ok(()),
-        false => Err(Faults::memory(format!(
-            "{what} need about {} GiB of memory, and the limit is {} GiB",
-            short(bytes / GIB),
-            short(limit / GIB)
-        ))),
-    }
+    (bytes <= limit).then_some(()).ok_or_else(|| {
+        let (need, limit) = (short(bytes / GIB), short(limit / GIB));
+        let both = format!("need about {need} GiB of memory, and the limit is {limit} GiB");
+        Faults::memory(format!("{what} {both}"))
+    })
 }
 
 /// A number that the system states in a file, after a word at the start of a line, in units of `unit`; `None` without one.

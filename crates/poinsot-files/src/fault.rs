@@ -8,6 +8,9 @@ use std::path::Path;
 /// Most faults that are listed; the rest is counted.
 const SHOWN: usize = 20;
 
+/// Most faults of one file that are looked for.
+pub const MOST_FAULTS: usize = 200;
+
 /// Longest file name in a message, characters.
 const LONGEST_NAME: usize = 300;
 
@@ -351,6 +354,7 @@ impl fmt::Display for Faults {
         }
         match self.omitted {
             0 => Ok(()),
+            more if more + SHOWN >= MOST_FAULTS => write!(f, "\nand at least {more} more"),
             more => write!(f, "\nand {more} more"),
         }
     }

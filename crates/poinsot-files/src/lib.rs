@@ -23,8 +23,8 @@ mod stage;
 pub use budget::{
     Pace, check_memory, check_time, limit_hours, limit_memory, memory_limit, stated, time_limit,
 };
-pub use fault::{Fault, FaultKind, Faults, Place, io_advice};
-pub use input::{InputError, open, read, read_text, spooled, standard_input};
+pub use fault::{Fault, FaultKind, Faults, MOST_FAULTS, Place, io_advice};
+pub use input::{InputError, open, read, read_text, read_tree, spooled, standard_input};
 pub use nearest::nearest;
 pub use numbers::{
     HALF_WIDTH_95, as_read, list, number_with_sigma, probability, rounded, short, significant,

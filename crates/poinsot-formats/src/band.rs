@@ -1,6 +1,7 @@
 //! Bands for statistics of many trials under a correct uncertainty, and confidence intervals of statistics.
 //!
-//! Wilson (1927) for proportions; Student's t for means; chi-square for mean squares of normals.
+//! Wilson (1927) for proportions; Student's t for means; chi-square for mean squares of normals, of many by Wilson and
+//! Hilferty (1931).
 
 use crate::number::finite;
 use schemars::JsonSchema;
@@ -11,7 +12,8 @@ use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF, Nor
 const OUTSIDE: f64 = 1.0e-3;
 /// Nominal coverage of a 95 % interval.
 const STATED: f64 = 0.95;
-/// Intervals from which a binomial is normal to a hundredth of its sigma; `statrs` fails for some numbers beyond 10^9.
+/// Intervals from which a binomial is normal to a hundredth of its sigma, and the cube root of a chi-square to 10^-9; `statrs` fails
+/// for some numbers beyond 10^9, and does not end at 2^64.
 const NORMAL: u64 = 1_000_000;
 /// Degrees of freedom from which the series of Student's t has ten digits, for probabilities to 0.9995. `statrs` loses
 /// digits beyond 10^5, and does not end at 10^8.
@@ -47,8 +49,12 @@ impl Band {
         let n = numbers as f64;
         let (mut low, mut high) = (0.0, f64::INFINITY);
         if let Ok(chi2) = ChiSquared::new(n) {
-            low = chi2.inverse_cdf(0.5 * outside) / n;
-            high = chi2.inverse_cdf(1.0 - 0.5 * outside) / n;
+            let third = 2.0 / (9.0 * n);
+            let at = |p| match numbers < NORMAL {
+                true => chi2.inverse_cdf(p) / n,
+                false => (1.0 - third + normal_quantile(p) * third.sqrt()).powi(3),
+            };
+            (low, high) = (at(0.5 * outside), at(1.0 - 0.5 * outside));
         }
         Self { low, high }
     }
@@ -187,6 +193,15 @@ mod tests {
         let coverage = Band::of_coverage(1000);
         assert!(coverage.holds(0.93) && !coverage.holds(0.92) && !coverage.holds(0.98));
         assert!((Band::of_bias(100).high - 0.32905).abs() < 1.0e-4);
+        let [below, above] = [NORMAL - 1, NORMAL].map(Band::of_mean_square);
+        assert!(
+            (below.low - above.low)
+                .abs()
+                .max((below.high - above.high).abs())
+                < 1.0e-8
+        );
+        let most = Band::of_mean_square(u64::MAX);
+        assert!((most.low - 1.0).abs().max((most.high - 1.0).abs()) < 1.0e-8);
         let [below, above] = [NORMAL - 1, NORMAL].map(Band::of_coverage);
         let sigma = (STATED * (1.0 - STATED) / NORMAL as f64).sqrt();
         assert!(

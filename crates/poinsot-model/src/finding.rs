@@ -1,7 +1,7 @@
 //! Collects the faults of a model file with their positions.
 
 use crate::document::{Document, KeyPath};
-use poinsot_files::{Fault, Faults, Place, excerpt};
+use poinsot_files::{Fault, Faults, MOST_FAULTS, Place, excerpt};
 use std::fmt;
 
 /// A key with the name of its entry.
@@ -92,6 +92,9 @@ impl<'d> Findings<'d> {
         problem: String,
         remedy: String,
     ) {
+        if self.is_full() {
+            return;
+        }
         let (line, column) = self.document.line_column(byte);
         let place = Place {
             line: line as u64,
@@ -132,6 +135,11 @@ impl<'d> Findings<'d> {
                         t == table && crate::suggest::similar(&stem(name), &wanted)
                     })
         })
+    }
+
+    /// Whether no more faults are kept: a file of faults alone must not take the time and memory of all.
+    pub fn is_full(&self) -> bool {
+        self.faults.len() >= MOST_FAULTS
     }
 
     /// Number of findings so far.

@@ -3,9 +3,6 @@
 use poinsot_files::Faults;
 use std::path::Path;
 
-/// Size limit of a model file, bytes.
-const LARGEST: u64 = 16 * 1024 * 1024;
-
 /// The text of a model file, TOML or URDF.
 ///
 /// # Errors
@@ -20,5 +17,5 @@ const LARGEST: u64 = 16 * 1024 * 1024;
 /// ```
 pub fn read_model_text(path: impl AsRef<Path>) -> Result<String, Faults> {
     let path = path.as_ref();
-    poinsot_files::read_text(path, LARGEST).map_err(|e| e.fault("E0101", path))
+    poinsot_files::read_tree(path).map_err(|e| e.fault("E0101", path))
 }

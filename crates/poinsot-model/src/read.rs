@@ -9,7 +9,7 @@ use crate::model_text::read_model_text;
 use crate::schema::{model_schema_ref, telemetry_map_schema_ref};
 use crate::shape::{Format, MODEL, MODEL_SCHEMA, check_shape};
 use crate::vehicle::Model;
-use poinsot_files::{Fault, Faults, Place};
+use poinsot_files::{Fault, Faults, MOST_FAULTS, Place};
 use poinsot_telemetry::TelemetryMap;
 use serde::Deserialize;
 use std::path::Path;
@@ -172,7 +172,7 @@ pub fn locate(text: &str, faults: &mut [Fault]) {
 }
 
 fn report_syntax(format: &Format, errors: Vec<toml::de::Error>, findings: &mut Findings<'_>) {
-    for error in errors {
+    for error in errors.into_iter().take(MOST_FAULTS) {
         let at = error.span().map_or(0, |span| span.start);
         let words: Vec<&str> = error.message().split_whitespace().collect();
         let problem = format!("not valid TOML: {}", words.join(" "));

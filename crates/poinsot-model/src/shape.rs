@@ -146,6 +146,9 @@ impl Shape<'_, '_> {
         let mut clean = Table::new();
         let mut replaced: Vec<&str> = Vec::new();
         for (name, value) in table {
+            if self.findings.is_full() {
+                break;
+            }
             let here = key.named(name.get_ref());
             let property = known.and_then(|known| known.get(name.get_ref().as_ref()));
             let Some(property) = property.or(free) else {
@@ -288,6 +291,7 @@ impl Shape<'_, '_> {
     ) -> Option<Value> {
         let alternatives = self.alternatives(schema);
         match value.get_ref() {
+            _ if self.findings.is_full() => None,
             DeValue::String(text) if text == "?" => {
                 let problem = "the question has no answer".to_owned();
                 let remedy =

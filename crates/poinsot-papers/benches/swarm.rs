@@ -101,6 +101,7 @@ fn main() {
             let now = Instant::now();
             fastest = fastest.min((now - before).as_secs_f64());
             before = now;
+            true
         });
     }
     println!("poinsot_swarm_iteration_50x600,{:.2},us", 1.0e6 * fastest);
@@ -130,6 +131,7 @@ fn accuracy(body: &MassProperties, rows: &[SingleRow], range: &Range, objective:
                     *slot = Some(k);
                 }
             }
+            true
         });
         let time = start.elapsed().as_secs_f64();
         for (k, goal) in reached.iter().zip(goals) {

@@ -3,16 +3,13 @@
 use crate::campaign::read_plan;
 use crate::case::{describe_case, shaped_case};
 use crate::error::Error;
-use poinsot_formats::{DESCRIPTION, PLAN, StatedFile, case::CASE, parse_estimate};
+use poinsot_formats::{DESCRIPTION, LARGEST_RESULT, PLAN, StatedFile, case::CASE, parse_estimate};
 use poinsot_model::{Description, describe, describe_map, parse_telemetry_map, read_model};
 use poinsot_report::{estimate_lines, plan_lines};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt;
 use std::path::Path;
-
-/// Size limit of a file, bytes: that of a result.
-const LARGEST: u64 = poinsot_formats::LARGEST_RESULT;
 
 /// Description of a file.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -65,7 +62,7 @@ fn described(path: &Path) -> Result<Described, Error> {
     let path = if path.is_dir() { &inside } else { path };
     let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
     if ending == "json" {
-        let text = poinsot_files::read_text(path, LARGEST).map_err(|e| e.of_result(path))?;
+        let text = poinsot_files::read_text(path, LARGEST_RESULT).map_err(|e| e.of_result(path))?;
         return estimate(path, &text);
     }
     if ["csv", "parquet", "pq"].iter().any(|e| ending == *e) {

@@ -315,8 +315,11 @@ fn read_records(
         tables.push(table);
     }
     let samples = samples(&tables);
+    // A joint without a column has its position at each time of the longest channel.
+    let rows = |t: &Table| t.channels.iter().map(|c| c.values.len()).max();
+    let joints = model.joints.len() * tables.iter().filter_map(rows).sum::<usize>();
     let what = format!("the fits of {samples} samples");
-    check_memory(&what, (samples * OF_SAMPLE) as f64)?;
+    check_memory(&what, ((samples + joints) * OF_SAMPLE) as f64)?;
     Ok(tables)
 }
 

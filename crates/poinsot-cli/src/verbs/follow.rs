@@ -1,6 +1,6 @@
 //! `poinsot follow`
 
-use super::{Outcome, command_line, exit_of, note, noted};
+use super::{Outcome, command_line, exit_of, is_printed, note, noted};
 use crate::arguments::Follow;
 use crate::live::{Feed, serve};
 use crate::terminal;
@@ -136,7 +136,7 @@ impl Shown {
         })
     }
 
-    /// False where the reader of standard output has gone.
+    /// False where standard output takes no more.
     fn show(&mut self, known: &Followed) -> bool {
         let mut line = known.json();
         if let Some(certifier) = &mut self.certifier {
@@ -144,7 +144,7 @@ impl Shown {
         }
         let text = line.to_string();
         let out = match &mut self.table {
-            None => printed(&format!("{text}\n")),
+            None => is_printed(&format!("{text}\n")),
             Some(height) => {
                 let table = terminal::document_text(&followed_document(&self.vehicle, &line));
                 let up = match *height {
@@ -152,7 +152,7 @@ impl Shown {
                     lines => format!("\x1b[{lines}F\x1b[J"),
                 };
                 *height = table.lines().count();
-                printed(&format!("{up}{table}"))
+                is_printed(&format!("{up}{table}"))
             }
         };
         self.feed.iter().for_each(|feed| feed.push(text.clone()));
@@ -228,13 +228,6 @@ fn files(arguments: &Follow, folder: &Path, rows: PathBuf) -> Result<(), Error> 
 
 fn unwritable(path: &Path, error: &std::io::Error) -> Error {
     Error::io(path, "cannot be written", error)
-}
-
-/// Prints at once; false where the reader has closed the stream.
-fn printed(text: &str) -> bool {
-    let mut out = std::io::stdout().lock();
-    let written = out.write_all(text.as_bytes());
-    written.and_then(|()| out.flush()).is_ok()
 }
 
 /// The bytes that are whole characters, as text; the rest waits. Bytes that are no UTF-8 are replaced.

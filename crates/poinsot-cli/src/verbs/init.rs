@@ -5,7 +5,7 @@ use crate::arguments::Init;
 use poinsot::{Draft, Error, check_outputs, init, segment_files};
 use poinsot_files::error_line;
 use poinsot_formats::{QuestionFile, WrittenFile};
-use std::io::{BufRead, IsTerminal, Write};
+use std::io::{BufRead, IsTerminal};
 use std::path::{Path, PathBuf};
 
 pub fn run(arguments: &Init) -> Outcome {
@@ -45,7 +45,6 @@ fn ask(draft: &mut Draft) {
     for question in draft.questions() {
         loop {
             print(&format!("{}: ", question.text));
-            let _ = std::io::stdout().flush();
             let Some(Ok(answer)) = lines.next() else {
                 return;
             };

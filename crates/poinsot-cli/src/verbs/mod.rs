@@ -23,7 +23,7 @@ pub mod sweep;
 pub mod units;
 pub mod validate;
 
-use std::sync::{Mutex, OnceLock};
+use std::sync::OnceLock;
 
 use crate::arguments::Print;
 use poinsot::Error;
@@ -139,7 +139,7 @@ pub fn formats(wanted: &[String]) -> Result<Vec<FigureFormat>, Error> {
 }
 
 /// First error of writing to standard output.
-static REFUSED: Mutex<Option<std::io::Error>> = Mutex::new(None);
+static REFUSED: OnceLock<std::io::Error> = OnceLock::new();
 
 /// Prints to standard output. A closed pipe is ignored; other errors are returned by [`printed`].
 pub fn print(text: &str) {
@@ -161,22 +161,26 @@ pub fn print_document(document: &Document) {
 
 /// Prints to standard output without escapes.
 pub fn print_styled(text: &str) {
+    is_printed(text);
+}
+
+/// Prints as [`print_styled`]; false where standard output takes no more.
+pub fn is_printed(text: &str) -> bool {
     use std::io::{ErrorKind, Write};
     let mut out = std::io::stdout().lock();
     let done = out.write_all(text.as_bytes()).and_then(|()| out.flush());
-    if let Err(error) = done
-        && error.kind() != ErrorKind::BrokenPipe
-        && let Ok(mut refused) = REFUSED.lock()
-    {
-        refused.get_or_insert(error);
+    let Err(error) = done else { return true };
+    if error.kind() != ErrorKind::BrokenPipe {
+        let _ = REFUSED.set(error);
     }
+    false
 }
 
 /// Returns the exit code, or the error of an earlier write to standard output.
 pub fn printed(code: u8) -> Outcome {
-    match REFUSED.lock().ok().and_then(|mut refused| refused.take()) {
+    match REFUSED.get() {
         None => Ok(code),
-        Some(source) => Err(Error::output(&source)),
+        Some(source) => Err(Error::output(source)),
     }
 }
 

@@ -24,6 +24,7 @@ use crate::solution::evidence::Remark;
 use crate::solution::solved::{Solution, StartOfSegment, VectorQuantity};
 use crate::solution::unobservable_set::UnobservableSet;
 use poinsot_dynamics::{Kinematics, composite};
+use poinsot_files::Pace;
 use poinsot_model::MomentumKnowledge;
 use poinsot_solve::{BlockQr, Spectrum, Triangle};
 use poinsot_spatial::{Vector3, skew};
@@ -183,6 +184,7 @@ fn solve(problem: &Problem, centres: Option<&[Vector3]>) -> Result<Reduced, Prob
         let start = start_momentum(problem, equations, centres.map(|c| c[at]));
         let samples = segment.samples.time_s.len();
         let triangle = reduce(&setting, problem, segment, start, &mut noise);
+        problem.pace.map_or(Ok(()), Pace::over)?;
         let m = start.columns();
         let tail = triangle.r.nrows() - m;
         stacked.push(tail, |i, j| triangle.r[(m + i, m + j)]);
@@ -225,7 +227,7 @@ fn start_momentum(
     StartMomentum { linear, angular }
 }
 
-/// QR of the rows of one segment: chunks side by side, folded in their order.
+/// QR of the rows of one segment: chunks side by side, folded in their order. Where no time is left, they stay empty.
 fn reduce(
     setting: &RowSetting,
     problem: &Problem,
@@ -247,7 +249,8 @@ fn reduce(
             .map(|&(from, to)| {
                 let mut rows = Rows::new(setting, segment, &impulses, start);
                 let mut qr = BlockQr::new(width);
-                for k in from..to {
+                let has_time = problem.pace.is_none_or(|p| p.check(0, 0).is_ok());
+                for k in (from..to).filter(|_| has_time) {
                     qr.push_six(rows.at(k));
                 }
                 qr.finish()

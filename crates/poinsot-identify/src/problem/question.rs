@@ -21,7 +21,8 @@ pub struct Problem<'a> {
     pub noise: &'a Noise,
     /// Half-width of the 95 % interval in natural units up to which a number is given (docs/reference/interface.md: 1.0).
     pub relative_accuracy: f64,
-    /// The pace of its evaluations; where it is over, no vehicle can move any more. `None`: without a limit of time.
+    /// The pace of its evaluations; where it is over, no vehicle can move any more, and no sample is read. `None`: without a limit of
+    /// time.
     pub pace: Option<&'a Pace>,
 }
 

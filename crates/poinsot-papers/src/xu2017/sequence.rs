@@ -8,7 +8,7 @@ use super::roles::{Roles, roles};
 use super::single_body::{
     Form, Part, Single, SingleObjective, SingleRow, accelerations, solve_single,
 };
-use super::swarm::{Flight, Objective, Range, Swarm, fly};
+use super::swarm::{Flight, Objective, Range, Swarm};
 use super::{Kind, particle, properties};
 use poinsot_dynamics::Kinematics;
 use poinsot_files::{Faults, Place, rounded};
@@ -271,13 +271,14 @@ impl Work<'_> {
         }
         let mut cost_linear = [0.0];
         objective.costs(&[particle(&linear.value)], &mut cost_linear);
-        let flight = (self.solver.kind == Kind::Swarm).then(|| {
+        let mut flight = None;
+        if self.solver.kind == Kind::Swarm {
             let swarm = Swarm {
                 seed: self.solver.swarm.seed + 1000 * self.found.steps.len() as u64,
                 ..self.solver.swarm.clone()
             };
-            (fly(&swarm, &range, objective, |_, _, _| {}), range)
-        });
+            flight = Some((swarm.fly(&range, objective)?, range));
+        }
         let best = flight.as_ref().map(|(flight, _)| properties(&flight.best));
         let found = best.unwrap_or(linear.value);
         let smallest = linear.singular.get(linear.rank.wrapping_sub(1));

@@ -5,6 +5,7 @@
 //! result is therefore identical for any number of threads.
 
 use fearless_simd::{Level, dispatch};
+use poinsot_files::{Faults, Pace, check_memory, check_time};
 use poinsot_solve::lanes::{LANES, V};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -17,6 +18,10 @@ pub type Particle = [f64; 10];
 const BLOCK: usize = 10;
 /// Work (particles times samples) above which an iteration is distributed over threads.
 const WORTH: usize = 200_000;
+/// Memory of a particle: twice its position and cost, its speed and its random stream, bytes.
+const OF_PARTICLE: f64 = 640.0;
+/// Least time of the cost of one particle at one sample, s.
+const OF_COST: f64 = 1.0e-9;
 /// A coordinate closer to its bound than this fraction of the range is on it.
 const ON_BOUND: f64 = 1.0e-9;
 
@@ -132,6 +137,25 @@ impl Default for Swarm {
     }
 }
 
+impl Swarm {
+    /// As [`fly`], within the limits of memory and time.
+    ///
+    /// # Errors
+    /// E0006 with both figures.
+    pub(super) fn fly(&self, range: &Range, objective: &dyn Objective) -> Result<Flight, Faults> {
+        let what = format!("the {} particles of the swarm", self.particles);
+        let (particles, fewest) = (self.particles as f64, self.iterations.min(self.patience));
+        check_memory(&what, particles * OF_PARTICLE)?;
+        let seconds = OF_COST * particles * objective.samples() as f64 * fewest as f64;
+        check_time(&what, seconds / rayon::current_num_threads() as f64)?;
+        let pace = Pace::new(what);
+        let flight = fly(self, range, objective, |_, _, _| {
+            pace.check(1, fewest).is_ok()
+        });
+        pace.over().map(|()| flight)
+    }
+}
+
 /// Box constraints on the particles. A coordinate with equal bounds is known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Range {
@@ -187,7 +211,7 @@ fn unit(dice: &mut ChaCha8Rng) -> f64 {
     (dice.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
 }
 
-/// Minimises within a range; `watch` receives the best position after every iteration.
+/// Minimises within a range; `watch` receives the best position after every iteration, and says whether to go on.
 ///
 /// ```
 /// use poinsot_papers::xu2017::swarm::{Objective, Particle, Range, Swarm, fly};
@@ -206,14 +230,14 @@ fn unit(dice: &mut ChaCha8Rng) -> f64 {
 /// }
 ///
 /// let range = Range::around(&[0.0; 10], &[1.0; 10]);
-/// let flight = fly(&Swarm::default(), &range, &Bowl, |_, _, _| {});
+/// let flight = fly(&Swarm::default(), &range, &Bowl, |_, _, _| true);
 /// assert!(flight.best.iter().all(|x| (x - 0.1).abs() < 0.01));
 /// ```
 pub fn fly(
     swarm: &Swarm,
     range: &Range,
     objective: &dyn Objective,
-    mut watch: impl FnMut(usize, &Particle, f64),
+    mut watch: impl FnMut(usize, &Particle, f64) -> bool,
 ) -> Flight {
     let n = swarm.particles.max(1);
     let die = |particle: usize| {
@@ -258,11 +282,11 @@ pub fn fly(
         let before = history[k - 1];
         leader = least(&own_cost);
         history.push(own_cost[leader]);
-        watch(k, &own[leader], own_cost[leader]);
+        let goes_on = watch(k, &own[leader], own_cost[leader]);
         if own_cost[leader] < before {
             last_change = k;
         }
-        if k - last_change >= swarm.patience {
+        if !goes_on || k - last_change >= swarm.patience {
             break;
         }
     }
@@ -346,13 +370,13 @@ mod tests {
                 .num_threads(threads)
                 .build()
                 .unwrap();
-            pool.install(|| fly(&swarm, &range, &bowl, |_, _, _| {}))
+            pool.install(|| fly(&swarm, &range, &bowl, |_, _, _| true))
         };
         let one = run(1);
         assert_eq!(one, run(2));
         assert_eq!(one, run(5));
         assert!(one.history.windows(2).all(|w| w[1] <= w[0]));
-        let other = fly(&Swarm { seed: 8, ..swarm }, &range, &bowl, |_, _, _| {});
+        let other = fly(&Swarm { seed: 8, ..swarm }, &range, &bowl, |_, _, _| true);
         assert_ne!(one.best, other.best);
     }
 
@@ -361,7 +385,7 @@ mod tests {
         let bowl = Bowl([1.0; 10]);
         let mut range = Range::around(&[0.0; 10], &[2.0; 10]);
         range.high[3] = 0.5;
-        let end = fly(&Swarm::default(), &range, &bowl, |_, _, _| {});
+        let end = fly(&Swarm::default(), &range, &bowl, |_, _, _| true);
         assert_eq!(end.on_bound, [3]);
         assert_eq!(end.best[3], 0.5);
         for d in (0..10).filter(|d| *d != 3) {

@@ -5,3 +5,4 @@ mod examples;
 mod floors;
 mod imports;
 mod momentum_of_trees;
+mod supply_chain;

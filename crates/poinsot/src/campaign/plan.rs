@@ -16,8 +16,6 @@ use serde::Serialize;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// Largest plan file, bytes.
-const LARGEST: u64 = 16 << 20;
 /// Default number of trials of a shard.
 const TRIALS_PER_SHARD: u64 = 100;
 /// Default number of trials.
@@ -79,7 +77,7 @@ pub struct Shard {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn read_plan(path: &Path) -> Result<Plan, Error> {
-    let text = poinsot_files::read_text(path, LARGEST).map_err(|e| e.fault("E0541", path))?;
+    let text = poinsot_files::read_tree(path).map_err(|e| e.fault("E0541", path))?;
     parse_plan(path, text)
 }
 

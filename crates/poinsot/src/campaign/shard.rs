@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::trials::{Row, RowNumber, position};
 use indexmap::IndexSet;
 use poinsot_files::{InputError, Stage, open, read_text};
-use poinsot_formats::{ResultFile, checksum, parse_result, result_text, sha256_of};
+use poinsot_formats::{LARGEST_RESULT, ResultFile, checksum, parse_result, result_text, sha256_of};
 use poinsot_identify::Status;
 use poinsot_telemetry::{ROWS_EXTENSION, RowCells, RowColumn, write_rows};
 use serde::{Deserialize, Serialize};
@@ -18,8 +18,6 @@ use std::path::{Path, PathBuf};
 
 /// Schema of the file.
 const SCHEMA: &str = "poinsot.shard/3";
-/// Size limit of a file of sums, bytes.
-const LARGEST: u64 = 256 << 20;
 /// Digits of the digest in file names.
 const SHORT: usize = 12;
 /// Number of shards per folder.
@@ -201,7 +199,7 @@ pub(super) type Found = Result<ShardSums, MissingShard>;
 pub(super) fn find(plan: &Plan, out: &Path, number: u64) -> Result<Found, Error> {
     let missing = |damage| Ok(Err(MissingShard { number, damage }));
     let path = sums_path(out, &plan.digest, number);
-    let text = match read_text(&path, LARGEST) {
+    let text = match read_text(&path, LARGEST_RESULT) {
         Ok(text) => text,
         Err(InputError::Missing(_)) => return missing(None),
         Err(own @ (InputError::System(_) | InputError::Memory(_))) => {

@@ -41,8 +41,6 @@ pub use {
     window::{Open, Window},
 };
 
-const LARGEST_FILE: u64 = 16 << 20;
-
 /// A parsed case; names are not yet resolved.
 #[derive(Debug, Clone)]
 pub struct Case {
@@ -74,7 +72,7 @@ pub struct Case {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn read_case(path: &Path) -> Result<Case, Error> {
-    let text = poinsot_files::read_text(path, LARGEST_FILE).map_err(|e| e.fault("E0501", path))?;
+    let text = poinsot_files::read_tree(path).map_err(|e| e.fault("E0501", path))?;
     parse_case(path, text)
 }
 

@@ -127,11 +127,13 @@ impl NumberSums {
         }
     }
 
-    fn is_possible(&self, answers: u64) -> bool {
+    fn is_possible(&self, trials: u64, answers: u64) -> bool {
         let stated = self.trials.checked_sub(self.unstated);
-        let sums = [self.error, self.square, self.variance, self.bounds.sum];
         let counts = self.trials <= answers && stated.is_some_and(|s| self.held <= s);
-        counts && sums.iter().all(|x| x.is_finite())
+        // The square of a mean is at most the mean of the squares, but for rounding.
+        let square = self.error * self.error <= 1.000_001 * self.square * self.trials as f64;
+        let sums = [self.square, self.variance, self.bounds.sum];
+        counts && self.bounds.count <= trials && square && sums.iter().all(is_square)
     }
 }
 
@@ -238,12 +240,16 @@ impl Sums {
     /// Whether these can be the sums of this many trials.
     pub(crate) fn is_of(&self, trials: u64) -> bool {
         let add = |n: u64, (_, m): &(String, u64)| n.checked_add(*m);
+        let possible = |n: &NumberSums| n.is_possible(trials, self.answers);
         self.trials == trials
-            && self.answers <= trials
             && self.failures <= trials
+            && (trials - self.failures..=trials).contains(&self.answers)
+            && self.failed.len() as u64 == self.failures.min(NAMED[0] as u64)
             && self.doubted <= self.answers
             && self.statuses.iter().try_fold(0, add) == Some(self.answers)
-            && self.numbers.iter().all(|n| n.is_possible(self.answers))
+            && self.numbers.iter().all(possible)
+            && self.nees.dof <= self.answers.saturating_mul(self.numbers.len() as u64)
+            && [self.nees.square, self.chi2_per_dof].iter().all(is_square)
     }
 
     /// The statistics; `outside` is the probability outside each interval.
@@ -273,6 +279,11 @@ impl Sums {
         result.misses = result.find_misses();
         result
     }
+}
+
+/// Whether a number can be a sum of squares.
+fn is_square(x: &f64) -> bool {
+    x.is_finite() && *x >= 0.0
 }
 
 /// The position of the item that is meant, which most often is `place`.

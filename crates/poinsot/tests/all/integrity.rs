@@ -190,6 +190,14 @@ fn exact_forged_sums_are_not_merged() {
         forge(&|sums| sums.sums.methods[0].trials = trials);
         forge(&|sums| sums.sums.methods[0].numbers[0].trials = trials.max(5));
     }
+    // The band of so many squares did not end.
+    forge(&|sums| sums.sums.methods[0].nees.dof = u64::MAX);
+    forge(&|sums| sums.sums.methods[0].nees.square = -1.0);
+    forge(&|sums| sums.sums.methods[0].failures = 1);
+    forge(&|sums| sums.sums.methods[0].chi2_per_dof = f64::NEG_INFINITY);
+    forge(&|sums| sums.sums.methods[0].numbers[0].bounds.count = u64::MAX);
+    forge(&|sums| sums.sums.methods[0].numbers[0].variance = -1.0);
+    forge(&|sums| sums.sums.methods[0].numbers[0].error = 1.0e9);
     forge(&|sums| sums.sums.methods.clear());
     forge(&|sums| sums.cell = 1);
     forge(&|sums| sums.sums.methods[0].numbers[0].square = f64::INFINITY);

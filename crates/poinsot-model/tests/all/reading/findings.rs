@@ -94,6 +94,22 @@ fn exact_twenty_findings_are_shown_in_order_and_the_rest_counted() {
     assert!(error.to_string().ends_with("\nand 10 more"));
 }
 
+/// In one line, so that the place of each costs the length of the file.
+#[test]
+fn regress_a_file_of_faults_alone_is_refused_soon() {
+    let began = std::time::Instant::now();
+    let many: Vec<String> = (0..200_000).map(|k| format!("{k:x} = 0")).collect();
+    let text = format!("{HEAD}a = {{ {} }}\n", many.join(", "));
+    assert!(parse_model(&text, "m.toml").is_err());
+    let text = format!("{HEAD}{}\n", many.join("\n"));
+    let error = parse_model(&text, "m.toml").unwrap_err();
+    assert_eq!((error.list.len(), error.omitted), (20, 180));
+    assert!(error.to_string().ends_with("\nand at least 180 more"));
+    let error = parse_model(&"=\n".repeat(200_000), "m.toml").unwrap_err();
+    assert_eq!((error.list.len(), error.omitted), (20, 180));
+    assert!(began.elapsed().as_secs() < 20);
+}
+
 #[test]
 fn exact_files_that_cannot_be_read() {
     let folder = std::env::temp_dir();
