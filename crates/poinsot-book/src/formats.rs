@@ -17,7 +17,7 @@ pub fn format(name: &str, title: &str) -> Value {
 
 /// The context of `reference/results.md`.
 pub fn results() -> Value {
-    let names = poinsot::schema_names().into_iter();
+    let names = poinsot::schema_names();
     let schemas = names.filter(|name| !OTHER_PAGES.contains(name));
     let schemas = schemas.filter_map(|name| Some((name, poinsot::schema(name).ok()?)));
     let schemas: Vec<(&str, Schema)> = schemas.collect();
