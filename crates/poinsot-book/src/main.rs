@@ -12,6 +12,7 @@ mod validation;
 mod verdicts;
 
 use clap::Parser;
+use minijinja::{Environment, Value, path_loader};
 use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -19,9 +20,6 @@ use std::process::ExitCode;
 
 /// Why the pages cannot be made, in words.
 type Fault = Box<dyn Error>;
-
-/// First lines of every committed page.
-const GENERATED: &str = "<!-- Made by `scripts/book generate`; do not edit. -->\n\n";
 
 /// Writes the pages of the book that come from the program.
 #[derive(Debug, Parser)]
@@ -74,19 +72,28 @@ fn read(name: &str) -> Result<String, Fault> {
     fs::read_to_string(&path).map_err(|why| format!("{}: {why}", path.display()).into())
 }
 
+/// The pages that are committed, each by the template of its name in `pages/`.
 fn committed() -> Result<Vec<Made>, Fault> {
-    let page = |name: &str, text| Made {
-        name: name.to_owned(),
-        text,
+    let contexts = [
+        ("reference/commands.md", commands::commands()),
+        (
+            "reference/formats.md",
+            formats::format("model", "top level"),
+        ),
+        ("reference/case.md", formats::format("case", "Keys")),
+        ("reference/results.md", formats::results()),
+        ("reference/verdicts.md", verdicts::verdicts()),
+        ("validation.md", validation::validation()?),
+    ];
+    let mut pages = Environment::new();
+    pages.set_trim_blocks(true);
+    pages.set_loader(path_loader(repository("crates/poinsot-book/pages")));
+    let made = |(name, context): (&str, Value)| {
+        let template = pages.get_template(name.trim_start_matches("reference/"))?;
+        let (name, text) = (name.to_owned(), template.render(context)?);
+        Ok(Made { name, text })
     };
-    Ok(vec![
-        page("reference/commands.md", commands::page()),
-        page("reference/formats.md", formats::page()),
-        page("reference/case.md", formats::case_page()),
-        page("reference/results.md", formats::results_page()),
-        page("reference/verdicts.md", verdicts::page()),
-        page("validation.md", validation::page()?),
-    ])
+    contexts.into_iter().map(made).collect()
 }
 
 fn current(page: &Made) -> Result<(), Fault> {

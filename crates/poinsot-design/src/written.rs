@@ -44,7 +44,7 @@ pub(crate) fn manoeuvre_text(
             off_s: f.off,
             force_N: f.force,
         }));
-    let text = file.text().map_err(|e| {
+    let text = toml::to_string(&file).map_err(|e| {
         Error::report(
             case.path(),
             format!("{e}"),

@@ -1,5 +1,4 @@
-//! The case file (`poinsot.case/2`, TOML): structure only, values are not checked. [`CaseFile::parse`] reads it,
-//! [`CaseFile::text`] writes it.
+//! The case file (`poinsot.case/2`, TOML): structure only, values are not checked.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -57,22 +56,6 @@ pub struct CaseFile {
 }
 
 impl CaseFile {
-    /// Reads the text of a case.
-    ///
-    /// # Errors
-    /// The text is not TOML, or keys are unknown, missing or of a wrong type.
-    pub fn parse(text: &str) -> Result<Self, toml::de::Error> {
-        toml::from_str(text)
-    }
-
-    /// The text of the case, without default values.
-    ///
-    /// # Errors
-    /// A number is too large for TOML.
-    pub fn text(&self) -> Result<String, toml::ser::Error> {
-        toml::to_string(self)
-    }
-
     /// Every file named in the case, except the model.
     pub fn files(&self) -> impl Iterator<Item = &String> {
         let torques = self.joint_torque.iter().map(|t| &t.file);

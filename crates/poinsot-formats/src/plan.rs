@@ -44,24 +44,6 @@ pub struct PlanFile {
     pub draw: Vec<DrawFile>,
 }
 
-impl PlanFile {
-    /// Reads the text of a plan.
-    ///
-    /// # Errors
-    /// The text is not TOML, or keys are unknown, missing or of a wrong type.
-    pub fn parse(text: &str) -> Result<Self, toml::de::Error> {
-        toml::from_str(text)
-    }
-
-    /// The text of the plan.
-    ///
-    /// # Errors
-    /// A number is too large for TOML.
-    pub fn text(&self) -> Result<String, toml::ser::Error> {
-        toml::to_string(self)
-    }
-}
-
 /// A motion with its vehicle: a case that is simulated, or a recorded noise-free motion.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

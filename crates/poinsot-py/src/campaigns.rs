@@ -84,7 +84,7 @@ impl CorePlan {
 
     /// The plan as TOML.
     fn text(&self) -> PyResult<String> {
-        let text = self.plan.file.text();
+        let text = toml::to_string(&self.plan.file);
         let what = |e: toml::ser::Error| Error::internal(e.to_string());
         Ok(text.map_err(|e| Fault::from(what(e)))?)
     }

@@ -34,7 +34,7 @@ pub struct CheckedCase<'a> {
 /// use poinsot_report::{CheckedCase, case_lines};
 ///
 /// let text = "schema = 'poinsot.case/2'\nmodel = 'box.toml'\nduration_s = 10.0\n[output]\nrate_hz = 5\n";
-/// let file = CaseFile::parse(text).unwrap();
+/// let file: CaseFile = toml::from_str(text).unwrap();
 /// let model = "box (box.toml)".to_owned();
 /// let (rows, seed, wants, design) = (51, 1, Vec::new(), None);
 /// let lines = case_lines(&CheckedCase { file: &file, model, duration_s: 10.0, rate_hz: 5.0, rows, seed, wants, design });
@@ -52,7 +52,7 @@ pub fn case_lines(case: &CheckedCase<'_>) -> Vec<String> {
 /// use poinsot_report::plan_lines;
 ///
 /// let text = "schema = 'poinsot.plan/1'\n[[experiment]]\nname = 'box'\ncase = 'case.toml'\n";
-/// let file = PlanFile::parse(text).unwrap();
+/// let file: PlanFile = toml::from_str(text).unwrap();
 /// let lines = plan_lines(&file, "box", [4, 1, 1], &["linear"]);
 /// assert_eq!(lines, ["box: 4 trials of 1 cell, in 1 shard", "experiment: case.toml", "methods: linear"]);
 /// ```

@@ -1,7 +1,7 @@
 //! The time derivative of a channel from local polynomials, and its integral.
 
 use crate::median::median_step;
-use crate::{Channel, Dimension, classify};
+use crate::{Channel, Dimension, GAP, classify};
 
 /// Degree of the local polynomial.
 const DEGREE: usize = 4;
@@ -9,24 +9,22 @@ const DEGREE: usize = 4;
 /// The derivative of a channel at its own samples.
 ///
 /// It is the slope of the quartic fitted by least squares to the `2 half_width + 1` samples around each sample. At the
-/// ends of a run there are fewer samples, on one side. A gap longer than `max_gap_s` (default 3 median steps) ends a
-/// run. `half_width = 2` passes through all five samples: error `h^4 |x^(5)| / 30` at even steps, noise gain
-/// `0.95 / h`. A wider window keeps the order and lowers the noise as `half_width^-1.5`. A sample without neighbours
-/// gets no derivative. The result has the standard name and unit if they exist (`joint1_rad` to `joint1_rad_s`,
-/// `omega_x` to `domega_x`), otherwise `d/dt <name>`.
+/// ends of a run there are fewer samples, on one side. A gap ([`GAP`]) ends a run. `half_width = 2` passes through all
+/// five samples: error `h^4 |x^(5)| / 30` at even steps, noise gain `0.95 / h`. A wider window keeps the order and
+/// lowers the noise as `half_width^-1.5`. A sample without neighbours gets no derivative. The result has the standard
+/// name and unit if they exist (`joint1_rad` to `joint1_rad_s`, `omega_x` to `domega_x`), otherwise `d/dt <name>`.
 ///
 /// ```
 #[doc = include_str!("../doc/channel.txt")]
 /// // 2 t + t^2 has the rate 2 + 2 t.
 /// let time_s: Vec<f64> = (0..9).map(f64::from).collect();
 /// let values: Vec<f64> = time_s.iter().map(|t| t * (2.0 + t)).collect();
-/// let rate = differentiate(&channel("joint1_rad", "rad", &time_s, &values), 2, None);
+/// let rate = differentiate(&channel("joint1_rad", "rad", &time_s, &values), 2);
 /// assert_eq!((rate.name.as_str(), rate.unit.as_str()), ("joint1_rad_s", "rad/s"));
 /// assert!((rate.values[4] - 10.0).abs() < 1.0e-12);
 /// ```
-pub fn differentiate(channel: &Channel, half_width: usize, max_gap_s: Option<f64>) -> Channel {
-    let step = median_step(&channel.time_s).unwrap_or(0.0);
-    let max_gap = max_gap_s.unwrap_or(3.0 * step);
+pub fn differentiate(channel: &Channel, half_width: usize) -> Channel {
+    let max_gap = GAP * median_step(&channel.time_s).unwrap_or(0.0);
     let mut time_s = Vec::with_capacity(channel.values.len());
     let mut values = Vec::with_capacity(channel.values.len());
     let mut start = 0;

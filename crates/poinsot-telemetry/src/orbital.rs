@@ -71,7 +71,7 @@ fn each_rate(
     for places in table.vectors("omega") {
         let mut lost = 0;
         each_row(&mut table.channels, &places, |time, row| {
-            let q = resample_attitude(attitude.each_ref(), None, &[time], None);
+            let q = resample_attitude(attitude.each_ref(), None, &[time]);
             if let ([x, y, z], [Some([a, b, c, d])]) = (row, q.as_slice()) {
                 let q = UnitQuaternion::new_normalize(Quaternion::new(*d, *a, *b, *c));
                 let w = change(q, Vector3::new(*x, *y, *z));

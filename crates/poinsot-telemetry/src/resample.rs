@@ -75,16 +75,15 @@ pub fn resample(channel: &Channel, times_s: &[f64], max_gap_s: Option<f64>) -> V
 /// // t^3 with its rate 3 t^2: a cubic is reproduced.
 /// let angle = channel("joint1_rad", "rad", &[0.0, 1.0, 2.0], &[0.0, 1.0, 8.0]);
 /// let rate = channel("joint1_rad_s", "rad/s", &[0.0, 1.0, 2.0], &[0.0, 3.0, 12.0]);
-/// assert_eq!(resample_hermite(&angle, &rate, &[1.5], None), [Some(3.375)]);
+/// assert_eq!(resample_hermite(&angle, &rate, &[1.5]), [Some(3.375)]);
 /// ```
 pub fn resample_hermite(
     channel: &Channel,
     derivative: &Channel,
     times_s: &[f64],
-    max_gap_s: Option<f64>,
 ) -> Vec<Option<f64>> {
-    let slopes = resample(derivative, &channel.time_s, max_gap_s);
-    interpolated(channel, &slopes, times_s, max_gap_s)
+    let slopes = resample(derivative, &channel.time_s, None);
+    interpolated(channel, &slopes, times_s, None)
 }
 
 /// By a cubic where both neighbours have a slope, linear elsewhere.
@@ -122,7 +121,7 @@ fn interpolated(
 #[doc = include_str!("../doc/spin.txt")]
 /// // Between two samples of a steady turn the attitude is exact.
 /// let t = 0.25;
-/// let [q] = resample_attitude(attitude.each_ref(), None, &[t], None)[..] else { unreachable!() };
+/// let [q] = resample_attitude(attitude.each_ref(), None, &[t])[..] else { unreachable!() };
 /// let [x, .., w] = q.unwrap();
 /// assert!((w - (0.5 * speed * t).cos()).abs() < 1.0e-14);
 /// assert!((x - rate[0] / speed * (0.5 * speed * t).sin()).abs() < 1.0e-14);
@@ -131,14 +130,13 @@ pub fn resample_attitude(
     attitude: [&Channel; 4],
     omega_body: Option<[&Channel; 3]>,
     times_s: &[f64],
-    max_gap_s: Option<f64>,
 ) -> Vec<Option<[f64; 4]>> {
     let [x, y, z, w] = attitude;
     if [y, z, w].iter().any(|c| c.time_s != x.time_s) {
         return vec![None; times_s.len()];
     }
-    let base = Base::new(&x.time_s, max_gap_s);
-    let rates = omega_body.map(|o| o.map(|c| resample(c, &x.time_s, max_gap_s)));
+    let base = Base::new(&x.time_s, None);
+    let rates = omega_body.map(|o| o.map(|c| resample(c, &x.time_s, None)));
     let q = |k: usize| {
         Some([
             *x.values.get(k)?,

@@ -1,7 +1,169 @@
 //! The kernels give the same numbers with `std` and with `libm`: run by `scripts/test policy` for the second.
+#![allow(non_snake_case)]
 
-use poinsot_without_std::values;
+use nalgebra::{Rotation3, UnitQuaternion};
+use poinsot_dynamics::propagation::{Inputs, Linearisation, PoseMomentum, Propagation, StepError};
+use poinsot_dynamics::{
+    Accelerations, ForwardDynamics, InverseDynamics, JointInput, Kinematics, Link, MassMatrix,
+    Motion, Orbit, Rotor, Tree, Wrench, composite, momentum, momentum_regressor, orbit_state,
+    wheel_momentum,
+};
+use poinsot_spatial::{InertialParameters, MassProperties, Matrix3, Vector3};
 use std::path::Path;
+
+/// Most steps that are linearised: each has a thousand numbers.
+const LINEARISED: u32 = 2;
+
+/// A base with a wheel, and an arm of two revolute joints about oblique axes and one prismatic joint.
+fn satellite() -> (Tree, Vec<InertialParameters>) {
+    let turned = |angle: f64| Rotation3::from_axis_angle(&Vector3::x_axis(), angle).into_inner();
+    let oblique = Vector3::new(0.6, 0.0, 0.8);
+    let link = |parent, motion, x, angle, axis| {
+        Link::new(
+            parent,
+            motion,
+            Vector3::new(x, 0.1, -0.2),
+            turned(angle),
+            axis,
+        )
+    };
+    let tree = Tree {
+        links: [
+            Link::base(),
+            link(0, Motion::Revolute(0), 0.5, 0.3, Vector3::z()),
+            link(1, Motion::Revolute(1), 0.7, -1.1, oblique),
+            link(2, Motion::Prismatic(2), 0.4, 0.8, Vector3::y()),
+        ]
+        .into(),
+        rotors: [Rotor {
+            body: 0,
+            axis_B: oblique,
+        }]
+        .into(),
+        coordinates: [0, 1, 2].into(),
+    };
+    let body = |mass: f64| {
+        let I_BBcm_B = Matrix3::new(0.3, 0.02, 0.01, 0.02, 0.4, -0.03, 0.01, -0.03, 0.35) * mass;
+        let p_BoBcm_B = Vector3::new(0.2, -0.05, 0.1);
+        MassProperties {
+            mass,
+            p_BoBcm_B,
+            I_BBcm_B,
+        }
+        .parameters()
+    };
+    (tree, [400.0, 25.0, 15.0, 8.0].map(body).into())
+}
+
+/// What the kernels give, one number after the other, at so many states.
+fn values(states: u32) -> Vec<f64> {
+    let (tree, parameters) = satellite();
+    let mut kinematics = Kinematics::new(&tree);
+    let mut forward = ForwardDynamics::new(&tree);
+    let mut inverse = InverseDynamics::new(&tree);
+    let mut accelerations = Accelerations::new(&tree);
+    let mut matrix = MassMatrix::new(&tree);
+    let mut regressor = [[0.0; 6]; 40];
+    let mut out = Vec::new();
+    for state in 0..states {
+        let s = f64::from(state);
+        let q = [0.3 * s, 1.0 - 0.7 * s, 0.02 * s];
+        let rates = [0.2 - 0.01 * s, 0.05 * s, -0.03];
+        let v = Vector3::new(0.01 * s, -0.02, 0.03);
+        let w = Vector3::new(0.05, 0.1 - 0.01 * s, -0.02);
+        kinematics.place(&tree, &q);
+        kinematics.set_velocities(&tree, &v, &w, &rates);
+        out.extend(momentum(&parameters, &kinematics).iter());
+        out.extend(wheel_momentum(&tree, &kinematics, &[0.04], &[300.0 - s]).iter());
+        momentum_regressor(&kinematics, &mut regressor);
+        out.extend(regressor.iter().flatten());
+        let whole = composite(&parameters, &kinematics);
+        out.extend(whole.I_SScm_B().iter());
+        matrix.set(&tree, &parameters, &kinematics);
+        out.extend(matrix.coupling_times(&rates).iter());
+        let mut found = [0.0; 3];
+        forward.set_bodies(&tree, &parameters, &kinematics);
+        let torques = [0.5, -0.2, 1.0].map(JointInput::Force);
+        if forward
+            .solve(&tree, &kinematics, &rates, &torques, &mut found)
+            .is_ok()
+        {
+            out.extend(found);
+        }
+        accelerations.set_without_base(&tree, &kinematics, &rates, &found);
+        accelerations.add_base(&kinematics, &v, &w);
+        let wrench = inverse.solve(
+            &tree,
+            &parameters,
+            &kinematics,
+            &accelerations,
+            &[],
+            &mut found,
+        );
+        out.extend(found);
+        out.extend(wrench.force.iter().chain(wrench.torque.iter()));
+        let orbit = Orbit {
+            semi_major_axis: 7.0e6,
+            eccentricity: 0.01 + 0.02 * s,
+            inclination: 0.9,
+            raan: 0.3,
+            argument_of_periapsis: 1.2,
+            true_anomaly: 0.1 * s,
+            epoch: None,
+        };
+        let (position, velocity) = orbit_state(3.986_004_418e14, &orbit, 100.0 * s);
+        out.extend(position.iter().chain(velocity.iter()));
+    }
+    // A vehicle that has mass and inertia always has a step.
+    let _ = steps((&tree, &parameters), states.min(LINEARISED), &mut out);
+    out
+}
+
+/// The step of pose and momentum with its linearisation, from each state on.
+fn steps(
+    (tree, bodies): (&Tree, &[InertialParameters]),
+    states: u32,
+    out: &mut Vec<f64>,
+) -> Result<(), StepError> {
+    let dt = 0.1;
+    let mut vehicle = Propagation::new(tree, bodies, &[0.04])?;
+    let mut step = Linearisation::new(tree);
+    let wrench = Wrench {
+        force: Vector3::new(0.5, -1.0, 2.0),
+        torque: Vector3::new(-0.3, 0.2, 0.1),
+    };
+    for state in 0..states {
+        let s = f64::from(state);
+        let start = PoseMomentum {
+            R_NB: UnitQuaternion::from_euler_angles(0.2 * s, -0.1 * s, 0.3),
+            p_NoBo_N: Vector3::new(s, 2.0, -s),
+            P: Vector3::new(4.0, -3.0, s),
+            h_SScm_N: Vector3::new(20.0, -10.0 * s, 15.0),
+        };
+        let at = |t: f64| {
+            let q = [0.3 * s + 0.2 * t, 1.0 - 0.7 * s + 0.05 * t, 0.02 * s];
+            (q, [0.2, 0.05, -0.01 * s], [300.0 - 20.0 * t])
+        };
+        let lists = [at(0.0), at(0.5 * dt), at(dt)];
+        let inputs = lists.each_ref().map(|(q, rates, wheel_speed)| Inputs {
+            q,
+            rates,
+            wheel_speed,
+        });
+        vehicle.linearise(&start, inputs, Some(&wrench), dt, &mut step)?;
+        let f = &step.f;
+        out.extend(f.R_NB.coords.iter().chain(&f.p_NoBo_N));
+        out.extend(f.P.iter().chain(&f.h_SScm_N));
+        out.extend(step.A.as_flattened());
+        for columns in [&step.B_q, &step.B_rates, &step.B_wheels] {
+            out.extend(columns.as_flattened().as_flattened());
+        }
+        out.extend(step.B_wrench.as_flattened());
+        out.extend(step.B_bodies.as_flattened().as_flattened());
+        out.extend(step.B_spin.as_flattened());
+    }
+    Ok(())
+}
 
 const STATES: u32 = 8;
 

@@ -6,7 +6,7 @@
 //! study gives the number. `POINSOT_BLESS=1` rewrites these cells and the figures of the pages.
 
 use clap::CommandFactory;
-use poinsot::study::{Findings, Study, run, studies};
+use poinsot::study::{Cell, Findings, FoundTable, Study, run, studies};
 use poinsot_cli::arguments::Arguments;
 use poinsot_papers::METHODS;
 use std::collections::BTreeSet;
@@ -256,6 +256,16 @@ fn below(text: &str, mark: &str) -> Option<std::ops::Range<usize>> {
     Some(start..start + lines.map(|l| l.len() + 1).sum::<usize>())
 }
 
+/// Markdown of a table, as on the page.
+fn markdown(table: &FoundTable) -> String {
+    let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
+    let head = line(&table.head).replace("|  |", "| |");
+    let rows = table.rows.iter();
+    let rows = rows.map(|row| line(&row.iter().map(Cell::text).collect::<Vec<_>>()));
+    let rule = format!("|{}\n", "---|".repeat(table.head.len()));
+    head + &rule + &rows.collect::<String>()
+}
+
 /// Compares the tables of a page with the findings of a study, or rewrites them. Returns the differences.
 fn compared(text: &mut String, name: &str, findings: &Findings, bless: bool) -> Vec<String> {
     let mut wrong = Vec::new();
@@ -264,7 +274,7 @@ fn compared(text: &mut String, name: &str, findings: &Findings, bless: bool) -> 
         let Some(range) = below(text, &mark) else {
             continue;
         };
-        let said = table.markdown();
+        let said = markdown(table);
         if bless {
             text.replace_range(range, &said);
             continue;

@@ -87,7 +87,7 @@ impl Candidate {
 
 impl Twin {
     /// A number that shows whatever its size.
-    fn itself(unknown: &Unknown) -> Self {
+    pub fn itself(unknown: &Unknown) -> Self {
         Self {
             unknown: unknown.clone(),
             sigma: f64::INFINITY,

@@ -9,7 +9,7 @@ use super::types::HeldOut;
 use crate::fit::Fitted;
 use crate::fit::experiment::Experiment;
 use crate::likelihood::Evaluated;
-use crate::problem::segment::{Observations, Samples, Segment, SensorRecord};
+use crate::problem::segment::{Samples, Segment};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Share of the grid times at the end of every record that are held out: enough for a test, few enough to leave the fit its
@@ -66,16 +66,13 @@ fn evaluated_beginnings(experiment: &Experiment, fitted: &Fitted) -> Option<Vec<
 
 /// A segment with the sensors' samples of its beginning alone. Of a long record nothing is copied that is not used.
 fn beginning(segment: &Segment) -> Segment {
-    let (end, o) = (end(segment), &segment.observations);
-    let sensors = o.sensors.iter().map(|sensor| {
+    let mut observations = segment.observations.clone();
+    observations.smooth_wheel_speed = Vec::new();
+    let end = end(segment);
+    for sensor in &mut observations.sensors {
         let kept = sensor.samples.partition_point(|sample| sample.to < end);
-        SensorRecord {
-            name: sensor.name.clone(),
-            samples: sensor.samples[..kept].to_vec(),
-            slow: sensor.slow.clone(),
-            ..*sensor
-        }
-    });
+        sensor.samples.truncate(kept);
+    }
     Segment {
         label: segment.label.clone(),
         // Of these an evaluation takes the attitude at the start.
@@ -83,19 +80,7 @@ fn beginning(segment: &Segment) -> Segment {
             R_NB: segment.samples.R_NB.first().copied().into_iter().collect(),
             ..Samples::default()
         },
-        observations: Observations {
-            time_s: o.time_s.clone(),
-            sensors: sensors.collect(),
-            orbit: o.orbit.clone(),
-            joint_position: o.joint_position.clone(),
-            joint_rate: o.joint_rate.clone(),
-            wheel_speed: o.wheel_speed.clone(),
-            smooth_wheel_speed: Vec::new(),
-            joints: o.joints.clone(),
-            wheels: o.wheels.clone(),
-            between_readings: o.between_readings,
-            expected_errors: o.expected_errors.clone(),
-        },
+        observations,
         firings: segment.firings.clone(),
         accelerations: None,
     }

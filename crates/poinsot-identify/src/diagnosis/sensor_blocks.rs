@@ -149,13 +149,9 @@ pub(super) fn sensor_blocks(
             }
             push(&mut stacked, &qr.finish(), h, |j| Some(h + j));
         }
-        for row in &priors {
-            stacked.push(1, |_, j| match j {
-                j if j < base => row.gradient.get(j).copied().unwrap_or(0.0),
-                j if j < base + n => 0.0,
-                _ => row.residual,
-            });
-        }
+        priors
+            .iter()
+            .for_each(|row| row.add_to(&mut stacked, base, n));
         blocks.push(SensorBlock {
             numbers: errors.iter().map(|e| e.place).collect(),
             stacked: stacked.finish(),

@@ -11,7 +11,7 @@ use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::known_numbers::{SILENT, shifts};
 use crate::fit::triangle::conditional_estimate;
 use crate::likelihood::{Evaluated, Transition};
-use crate::problem::parameters::{Unknown, UnknownKind};
+use crate::problem::parameters::UnknownKind;
 use crate::problem::prior::PriorRow;
 use crate::problem::segment::{BetweenReadings, InputErrors, Noise, Observations};
 use nalgebra::DMatrix;
@@ -459,13 +459,9 @@ impl Table {
             };
             starts.push(DMatrix::from_fn(h, h + base + 1, own));
         }
-        for row in priors {
-            stacked.push(1, |_, j| match j {
-                j if j < base => row.gradient.get(j).copied().unwrap_or(0.0),
-                j if j < base + all => 0.0,
-                _ => row.residual,
-            });
-        }
+        priors
+            .iter()
+            .for_each(|row| row.add_to(&mut stacked, base, all));
         (stacked.finish(), starts)
     }
 
@@ -527,12 +523,8 @@ impl Table {
 
 /// What the evaluation itself gives columns to.
 fn own_columns(candidate: &Candidate) -> Vec<Twin> {
-    let itself = |unknown: &Unknown| Twin {
-        unknown: unknown.clone(),
-        sigma: f64::INFINITY,
-    };
     match &candidate.columns {
-        Columns::Slopes => candidate.unknowns.iter().map(itself).collect(),
+        Columns::Slopes => candidate.unknowns.iter().map(Twin::itself).collect(),
         Columns::Twins(twins) => twins.clone(),
         Columns::Ramp { .. } => Vec::new(),
     }

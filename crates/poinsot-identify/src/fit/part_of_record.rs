@@ -33,7 +33,7 @@ pub(crate) fn beginning(segment: &Segment, share: f64) -> Segment {
 }
 
 /// A segment at some of its grid times.
-fn at_times(segment: &Segment, kept: &[usize]) -> Segment {
+pub(crate) fn at_times(segment: &Segment, kept: &[usize]) -> Segment {
     let o = &segment.observations;
     let dof = o.joint_position.len() / o.time_s.len().max(1);
     let wheels = o.wheel_speed.len() / o.time_s.len().max(1);

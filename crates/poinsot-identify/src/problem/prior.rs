@@ -6,6 +6,7 @@ use crate::problem::quantity::{Quantity, TenParameters, mass_property, unit};
 use nalgebra::{DMatrix, Matrix4};
 use poinsot_formats::address;
 use poinsot_model::{Model, Nuisance, Prior};
+use poinsot_solve::BlockQr;
 use poinsot_spatial::{
     InertialParameters, MASS_PROPERTY_NAMES, MASS_PROPERTY_UNITS, pseudo_inertia,
 };
@@ -21,6 +22,17 @@ pub(crate) struct PriorRow {
     pub residual: f64,
     /// What is declared; `None` of a row that is not about one number.
     pub about: Option<Declared>,
+}
+
+impl PriorRow {
+    /// Adds the row to a system of fitted numbers, of `others` that it does not tell of, and of a right-hand side.
+    pub fn add_to(&self, stacked: &mut BlockQr, fitted: usize, others: usize) {
+        stacked.push(1, |_, j| match j {
+            j if j < fitted => self.gradient.get(j).copied().unwrap_or(0.0),
+            j if j < fitted + others => 0.0,
+            _ => self.residual,
+        });
+    }
 }
 
 /// One number with its declared sigma.

@@ -2,6 +2,7 @@
 
 use super::baseline::Baseline;
 use super::{Action, Change, Effort, Row};
+use crate::fit::part_of_record::at_times;
 use crate::likelihood::{InitialState, InitialStateColumns, MeasuredMotion, Setting, evaluate};
 use crate::motion::input_curves::InputCurves;
 use crate::problem::loss::Loss;
@@ -358,14 +359,6 @@ fn thinned(
     if picked.len() < 4 {
         return None;
     }
-    let dof = o.joint_position.len() / o.time_s.len();
-    let wheels = o.wheel_speed.len() / o.time_s.len();
-    let rows = |values: &[f64], width: usize| -> Vec<f64> {
-        picked
-            .iter()
-            .flat_map(|&k| values[k * width..(k + 1) * width].to_vec())
-            .collect()
-    };
     let samples = picked.len();
     let share = samples as f64 / all.len() as f64;
     let moving = measured_motion == MeasuredMotion::Translation;
@@ -393,20 +386,16 @@ fn thinned(
             ..tried(SensorKind::Velocity, samples, VELOCITY)
         });
     }
+    // Its inputs have independent errors.
     let observations = Observations {
-        time_s: picked.iter().map(|&k| o.time_s[k]).collect(),
         sensors,
-        orbit: picked
-            .iter()
-            .filter_map(|&k| o.orbit.get(k).copied())
-            .collect(),
-        joint_position: rows(&o.joint_position, dof),
-        joint_rate: rows(&o.joint_rate, dof),
-        wheel_speed: rows(&o.wheel_speed, wheels),
-        ..Observations::default()
+        joints: Vec::new(),
+        wheels: Vec::new(),
+        expected_errors: Vec::new(),
+        between_readings: Default::default(),
+        ..at_times(segment, &picked).observations
     };
     let segment = Segment {
-        label: String::new(),
         observations,
         ..Segment::default()
     };

@@ -173,7 +173,7 @@ fn stride(values: &[[f64; 4]], is_attitude: bool) -> usize {
 
 /// Integral of rates, linear between samples, to each time, with how many gaps are before it. `None` outside their samples and in gaps.
 fn integrals(rates: &[&Channel], times_s: &[f64]) -> Vec<Option<(usize, [f64; 3])>> {
-    let read = |c: &&Channel| resample_hermite(&integral(c), c, times_s, None);
+    let read = |c: &&Channel| resample_hermite(&integral(c), c, times_s);
     let all: Vec<Vec<Option<f64>>> = rates.iter().map(read).collect();
     let own = rates.first().map_or(&[][..], |c| &c.time_s);
     let longest = GAP * median_step(own).unwrap_or(0.0);

@@ -92,9 +92,7 @@ pub(super) fn differentiated(attitude: [&Channel; 4]) -> [Channel; 3] {
     };
     let all: Vec<_> = (0..attitude[0].values.len()).filter_map(whole).collect();
     let smooth = attitude_channels(&all);
-    let slopes = smooth
-        .each_ref()
-        .map(|c| differentiate(c, HALF_WIDTH, None));
+    let slopes = smooth.each_ref().map(|c| differentiate(c, HALF_WIDTH));
     let times = &slopes[0].time_s;
     let rate = |(i, t): (usize, &f64)| {
         let k = smooth[0].time_s.partition_point(|x| x < t);

@@ -180,8 +180,8 @@ impl FreeFall {
         let measured = model.sensors_of(SensorKind::Velocity).next().is_some();
         if let (true, Some(velocity)) = (measured, three(table, "v")) {
             for (k, own) in velocity.into_iter().enumerate() {
-                let acceleration = differentiate(&self.velocity[k], HALF_WIDTH, None);
-                let fall = resample_hermite(&self.velocity[k], &acceleration, &own.time_s, None);
+                let acceleration = differentiate(&self.velocity[k], HALF_WIDTH);
+                let fall = resample_hermite(&self.velocity[k], &acceleration, &own.time_s);
                 let kept = own.time_s.iter().zip(&own.values).zip(fall);
                 let kept = kept.filter_map(|((t, v), fall)| Some((*t, v - fall?)));
                 let (times, values): (Vec<f64>, Vec<f64>) = kept.unzip();
@@ -196,8 +196,8 @@ impl FreeFall {
 
 /// Position and velocity from rest under this acceleration: cubic between samples, with slopes from five samples.
 fn fall_of(pull: &Channel) -> (Vec<f64>, Vec<f64>) {
-    let jerk = differentiate(pull, HALF_WIDTH, None);
-    let jerks = resample_hermite(&jerk, &jerk, &pull.time_s, None);
+    let jerk = differentiate(pull, HALF_WIDTH);
+    let jerks = resample_hermite(&jerk, &jerk, &pull.time_s);
     let slope = |k: usize| jerks.get(k).copied().flatten().unwrap_or(0.0);
     let (mut x, mut v) = (0.0, 0.0);
     let (mut places, mut speeds) = (vec![0.0], vec![0.0]);

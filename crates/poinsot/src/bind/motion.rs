@@ -187,7 +187,7 @@ fn attitude(
         let axes = rates.axes.each_ref().map(|c| &**c);
         // The rates of another body are not the slopes of this attitude.
         let axes = carrier.is_base().then_some(axes);
-        let measured = resample_attitude(parts, axes, times, None)
+        let measured = resample_attitude(parts, axes, times)
             .into_iter()
             .map(|q| {
                 q.map(|[x, y, z, w]| UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)))
@@ -242,7 +242,7 @@ fn translation(
     Ok(match (velocity, position) {
         (None, None) => None,
         (Some(v), Some(r)) => {
-            let smooth = [0, 1, 2].map(|k| resample_hermite(r.axes[k], v.axes[k], times, None));
+            let smooth = [0, 1, 2].map(|k| resample_hermite(r.axes[k], v.axes[k], times));
             Some((
                 corrected(vectors(&smooth), r.p_BoS_B, false),
                 corrected(at_times(&v.axes), v.p_BoS_B, true),
@@ -259,7 +259,7 @@ fn translation(
             repairs.push(format!(
                 "{label}: no velocity channel: velocity differentiated from position (quartic through five samples)"
             ));
-            let rates = r.axes.map(|c| differentiate(c, HALF_WIDTH, None));
+            let rates = r.axes.map(|c| differentiate(c, HALF_WIDTH));
             let v = vectors(&[0, 1, 2].map(|k| resample(&rates[k], times, None)));
             Some((
                 corrected(at_times(&r.axes), r.p_BoS_B, false),
@@ -441,10 +441,10 @@ fn joint_at(model: &Model, columns: &JointColumns, times: &[f64]) -> JointColumn
         return smoothed;
     }
     let derived = columns.rate.is_none();
-    let derived = derived.then(|| differentiate(q, HALF_WIDTH, None));
+    let derived = derived.then(|| differentiate(q, HALF_WIDTH));
     let rate = derived.as_ref().or(columns.rate).unwrap_or(q);
     JointColumn {
-        position: resample_hermite(q, rate, times, None),
+        position: resample_hermite(q, rate, times),
         rate: resample(rate, times, None),
         errors: None,
     }

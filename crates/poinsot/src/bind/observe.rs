@@ -117,7 +117,7 @@ fn smooth_wheels(wheels: &[Option<WheelSpeed>], grid: &[f64]) -> Vec<f64> {
         let c = w.tachometer;
         match w.driven {
             true => speed_at(&w.speed, c, grid),
-            false => resample_hermite(c, &differentiate(c, HALF_WIDTH, None), grid, None),
+            false => resample_hermite(c, &differentiate(c, HALF_WIDTH), grid),
         }
     };
     let columns: Vec<Vec<Option<f64>>> = wheels.iter().map(column).collect();

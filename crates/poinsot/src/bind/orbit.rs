@@ -23,8 +23,8 @@ pub(super) fn orbit_at(channels: &Channels, grid: &[f64]) -> Vec<OrbitPoint> {
         return Vec::new();
     };
     if let Some(axes) = axes(channels.table, "", "orbit") {
-        let rates = axes.map(|c| differentiate(c, HALF_WIDTH, None));
-        let smooth = [0, 1, 2].map(|k| resample_hermite(axes[k], &rates[k], grid, None));
+        let rates = axes.map(|c| differentiate(c, HALF_WIDTH));
+        let smooth = [0, 1, 2].map(|k| resample_hermite(axes[k], &rates[k], grid));
         let positions = vectors(&smooth).into_iter();
         let velocities = vectors(&rates.each_ref().map(|c| resample(c, grid, None)));
         return positions.zip(velocities).map(|(p, v)| p.zip(v)).collect();

@@ -128,7 +128,7 @@ pub fn made_plan(file: PlanFile, folder: &Path) -> Result<Plan, Error> {
         seed: None,
         ..file.clone()
     };
-    let rows = rows.text().map_err(Error::internal)?;
+    let rows = toml::to_string(&rows).map_err(Error::internal)?;
     PlanText::new(&path, rows).parse().map_err(|mut error| {
         error.list.iter_mut().for_each(|f| f.place.line = 0);
         error

@@ -1,65 +1,28 @@
 //! Messages of CCSDS 504.0-B-2, keyword = value notation. The standard has no field for a mass centre.
 
-use super::{Exported, Source, tensor};
+use super::{Exported, Source, rendered, tensor};
 use crate::error::Error;
 use hifitime::Epoch;
+use minijinja::context;
 use poinsot_formats::BodyFile;
-use std::fmt::Write as _;
 use std::time::SystemTime;
-
-/// The body frame of the message.
-const FRAME: &str = "SC_BODY_1";
-/// Required text if the international designator is not given.
-const UNKNOWN: &str = "UNKNOWN";
-const ORIGINATOR: &str = "POINSOT";
 
 /// The attitude parameter message: inertia.
 pub(super) fn apm(source: &Source) -> Result<Exported, Error> {
-    let vehicle = Vehicle::new(source)?;
-    let mut out = header("APM");
-    let _ = writeln!(out, "OBJECT_NAME = {}", vehicle.name);
-    let _ = writeln!(out, "OBJECT_ID = {UNKNOWN}");
-    let _ = writeln!(out, "TIME_SYSTEM = {}", vehicle.scale);
-    vehicle.comments(source, &mut out);
-    let _ = writeln!(out, "EPOCH = {}\nINERTIA_START", vehicle.epoch);
-    vehicle.inertia(&mut out);
-    out.push_str("INERTIA_STOP\n");
-    Ok(Exported {
-        text: out,
-        no_field: vec![
-            "not exported: mass and mass centre: an APM has no fields for them".to_owned(),
-        ],
-        ..Exported::default()
-    })
+    let no_field = "not exported: mass and mass centre: an APM has no fields for them";
+    Vehicle::new(source)?.message(source, "APM", no_field)
 }
 
-/// The attitude comprehensive message: mass and inertia.
+/// The attitude comprehensive message: mass if determined, and inertia.
 pub(super) fn acm(source: &Source) -> Result<Exported, Error> {
+    let no_field = "not exported: mass centre: an ACM has no field for it";
     let vehicle = Vehicle::new(source)?;
-    let mut out = header("ACM");
-    let _ = writeln!(out, "META_START\nOBJECT_NAME = {}", vehicle.name);
-    let _ = writeln!(out, "TIME_SYSTEM = {}", vehicle.scale);
-    let _ = writeln!(
-        out,
-        "EPOCH_TZERO = {}\nMETA_STOP\nPHYS_START",
-        vehicle.epoch
-    );
-    vehicle.comments(source, &mut out);
-    let mut left_out = Vec::new();
-    match vehicle.body.mass_kg.value {
-        Some(mass) => {
-            let _ = writeln!(out, "WET_MASS = {mass:?} [kg]");
-        }
-        None => left_out.push("not exported: WET_MASS: the mass is not determined".to_owned()),
+    let mut message = vehicle.message(source, "ACM", no_field)?;
+    if vehicle.body.mass_kg.value.is_none() {
+        let left_out = "not exported: WET_MASS: the mass is not determined";
+        message.left_out.push(left_out.to_owned());
     }
-    vehicle.inertia(&mut out);
-    out.push_str("PHYS_STOP\n");
-    Ok(Exported {
-        text: out,
-        left_out,
-        no_field: vec!["not exported: mass centre: an ACM has no field for it".to_owned()],
-        ..Exported::default()
-    })
+    Ok(message)
 }
 
 /// The whole vehicle as one body, at the epoch of the estimate.
@@ -103,47 +66,56 @@ impl<'a> Vehicle<'a> {
         })
     }
 
-    fn comments(&self, source: &Source, out: &mut String) {
-        let mut lines = source.origin();
-        lines.push(
+    fn message(&self, source: &Source, kind: &str, no_field: &str) -> Result<Exported, Error> {
+        let mut comments = source.origin();
+        comments.push(
             "Inertia about the mass centre of the whole vehicle, wheels included as if locked."
                 .to_owned(),
         );
-        lines.push(
+        comments.push(
             "IXY, IXZ and IYZ are elements of the tensor: IXY = -integral of x y dm.".to_owned(),
         );
         if !self.joints.is_empty() {
-            lines.push(format!("Joint positions: {}", self.joints.join(", ")));
+            comments.push(format!("Joint positions: {}", self.joints.join(", ")));
         }
-        for line in lines {
-            let _ = writeln!(out, "COMMENT {}", keyword_value(&line));
-        }
-    }
-
-    fn inertia(&self, out: &mut String) {
-        let _ = writeln!(out, "INERTIA_REF_FRAME = {FRAME}");
-        let elements = [
-            ("IXX", (0, 0)),
-            ("IYY", (1, 1)),
-            ("IZZ", (2, 2)),
-            ("IXY", (0, 1)),
-            ("IXZ", (0, 2)),
-            ("IYZ", (1, 2)),
-        ];
-        for (name, at) in elements {
-            let _ = writeln!(out, "{name} = {:?} [kg*m**2]", self.inertia[at]);
-        }
+        let comments: Vec<String> = comments.iter().map(|line| keyword_value(line)).collect();
+        let element =
+            |(name, at): (&'static str, (usize, usize))| (name, format!("{:?}", self.inertia[at]));
+        let values = context! {
+            kind,
+            created => created(),
+            name => self.name,
+            epoch => self.epoch,
+            scale => self.scale,
+            comments,
+            mass => self.body.mass_kg.value.map(|mass| format!("{mass:?}")),
+            inertia => ELEMENTS.map(element),
+        };
+        Ok(Exported {
+            text: rendered(include_str!("ccsds.txt"), values)?,
+            no_field: vec![no_field.to_owned()],
+            ..Exported::default()
+        })
     }
 }
 
-fn header(kind: &str) -> String {
+/// Elements of the tensor in the order of a message.
+const ELEMENTS: [(&str, (usize, usize)); 6] = [
+    ("IXX", (0, 0)),
+    ("IYY", (1, 1)),
+    ("IZZ", (2, 2)),
+    ("IXY", (0, 1)),
+    ("IXZ", (0, 2)),
+    ("IYZ", (1, 2)),
+];
+
+/// The time now, UTC.
+fn created() -> String {
     let seconds = SystemTime::now()
         .duration_since(SystemTime::UNIX_EPOCH)
         .map_or(0, |t| t.as_secs());
     let (y, month, d, h, min, s, _) = Epoch::from_unix_seconds(seconds as f64).to_gregorian_utc();
-    format!(
-        "CCSDS_{kind}_VERS = 2.0\nCREATION_DATE = {y:04}-{month:02}-{d:02}T{h:02}:{min:02}:{s:02}\nORIGINATOR = {ORIGINATOR}\n"
-    )
+    format!("{y:04}-{month:02}-{d:02}T{h:02}:{min:02}:{s:02}")
 }
 
 /// Text allowed by the notation: printable ASCII on one line.

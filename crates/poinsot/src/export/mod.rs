@@ -9,6 +9,7 @@ mod table;
 
 use crate::error::{Error, unknown};
 use crate::onboard::OnBoard;
+use minijinja::{Environment, Value};
 use poinsot_formats::{Address, BodyFile, EstimateFile, read_estimate};
 use poinsot_model::{
     BodyProperties, Measured, PartNumber, Patch, parse_urdf, patch_mjcf, patch_model, patch_sdf,
@@ -275,6 +276,16 @@ fn unplaced(estimate: &EstimateFile, exported: &Exported) -> impl Iterator<Item 
     ];
     let named = parts.into_iter().filter(|(names, ..)| !names.is_empty());
     named.map(|(names, what, why)| format!("not exported: {what} {names}: {why}"))
+}
+
+/// A text from its template.
+fn rendered(template: &str, values: Value) -> Result<String, Error> {
+    let mut environment = Environment::new();
+    environment.set_trim_blocks(true);
+    environment.set_keep_trailing_newline(true);
+    environment
+        .render_str(template, values)
+        .map_err(Error::internal)
 }
 
 /// Estimate to be exported, and its name in messages.

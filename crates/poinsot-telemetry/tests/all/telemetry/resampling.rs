@@ -53,11 +53,11 @@ fn exact_orders_of_interpolation_and_slope() {
             channel("j_rad", &t, f64::sin),
             channel("j_rad_s", &t, f64::cos),
         );
-        worst(&resample_hermite(&x, &d, &m, None), &m, f64::sin)
+        worst(&resample_hermite(&x, &d, &m), &m, f64::sin)
     });
     let slope = |half| {
         order(move |h| {
-            let d = differentiate(&channel("j_rad", &grid(h), f64::sin), half, None);
+            let d = differentiate(&channel("j_rad", &grid(h), f64::sin), half);
             let found: Vec<_> = d.values.iter().map(|x| Some(*x)).collect();
             worst(&found, &d.time_s, f64::cos)
         })
@@ -77,7 +77,6 @@ fn exact_the_slope_of_a_quartic_on_uneven_times() {
     let d = differentiate(
         &channel("omega_x", &t, |t| 1.0 - t + 2.0 * t.powi(3) - t.powi(4)),
         2,
-        None,
     );
     assert_eq!((d.name.as_str(), d.unit.as_str()), ("domega_x", "rad/s2"));
     for (t, x) in d.time_s.iter().zip(&d.values) {
@@ -101,11 +100,11 @@ fn unit_no_value_in_gaps_or_beyond_the_ends() {
     );
     assert_eq!(resample(&x, &at[4..5], Some(1.0)).len(), 1);
     assert!(resample(&x, &at[4..5], Some(1.0))[0].is_some());
-    assert_eq!(resample_hermite(&x, &x, &at[4..5], None), [None]);
+    assert_eq!(resample_hermite(&x, &x, &at[4..5]), [None]);
     // Derivatives do not use samples across the gap: a jump there has no effect.
     let step = channel("j_rad", &t, |t| if t > 1.5 { t + 100.0 } else { t });
     assert!(
-        differentiate(&step, 2, None)
+        differentiate(&step, 2)
             .values
             .iter()
             .all(|d| (d - 1.0).abs() < 1e-10)
@@ -132,7 +131,7 @@ fn exact_attitude_between_samples() {
         let q = [0, 1, 2, 3].map(|k| channel("q", &t, |t| coning(t).0[k]));
         let w = [0, 1, 2].map(|k| channel("omega", &t, |t| coning(t).1[k]));
         let rates = with_rates.then(|| [&w[0], &w[1], &w[2]]);
-        let found = resample_attitude([&q[0], &q[1], &q[2], &q[3]], rates, &m, None);
+        let found = resample_attitude([&q[0], &q[1], &q[2], &q[3]], rates, &m);
         // Vector part of the rotation from the true to the computed attitude: half the angle.
         let errors = found.iter().zip(&m).map(|(q, t)| {
             let ([a, b, c, d], [x, y, z, w]) = (coning(*t).0, q.unwrap());
