@@ -179,6 +179,12 @@ fn is_asked(problem: &Problem, settings: Settings, rigid: &FinishedFit) -> bool 
         && !found.suspects.first().is_some_and(explained)
 }
 
+/// A mode that a residual shows.
+struct Seen {
+    mode: FlexibleMode,
+    of: Oscillation,
+}
+
 /// The search for modes of a vehicle.
 struct Search<'a> {
     /// With the records as the rigid fit took them.
@@ -227,7 +233,7 @@ impl<'a> Search<'a> {
         consistent(&found.fitted.evaluated, &self.settings)
     }
 
-    /// Adds modes one by one, then slopes.
+    /// Adds modes one by one, and their slopes.
     fn run(&self, rigid: &FinishedFit) -> Result<Option<Found>, ProblemError> {
         let parameters = rigid.solution.parameters.clone();
         let experiment = self.experiment(&self.problem, &parameters);
@@ -241,33 +247,52 @@ impl<'a> Search<'a> {
             fitted: start,
             parameters,
         };
-        while now.model.modes.len() < MOST_MODES {
-            let Some((mode, steady)) = self.seen_mode(&now) else {
-                break;
-            };
-            let mut model = now.model.clone();
-            model.modes.push(mode);
-            match self.refitted(&now, model)? {
-                Some(next) if next.fitted.is_found() && self.is_mode(next.lowers(&now), steady) => {
-                    now = next;
-                }
-                _ => break,
+        while now.model.modes.is_empty() || !self.explains(&now) {
+            match self.better(&now)? {
+                Some(next) => now = next,
+                None => break,
             }
         }
         if now.model.modes.is_empty() {
             return Ok(None);
         }
-        let mut model = now.model.clone();
-        for mode in &mut model.modes {
-            mode.estimate.inertia_slope = true;
-        }
-        let slopes = TENSOR.len() * now.model.modes.len();
-        match self.refitted(&now, model)? {
-            Some(next) if next.lowers(&now) > self.by_chance(slopes) => now = next,
-            _ => {}
+        if let Some(next) = self.with_slopes(&now)? {
+            now = next;
         }
         let left = excess(&now.fitted) < NOTABLE * rigid_excess;
         Ok((left || self.explains(&now)).then_some(now))
+    }
+
+    /// One more mode, or the slopes of those that are there, whichever explains more.
+    fn better(&self, now: &Found) -> Result<Option<Found>, ProblemError> {
+        let seen = self.seen_mode(now);
+        if let Some(next) = self.with_slopes(now)?
+            && next.lowers(now) > seen.as_ref().map_or(0.0, |s| s.of.decrease)
+        {
+            return Ok(Some(next));
+        }
+        let Some(seen) = seen else {
+            return Ok(None);
+        };
+        let mut model = now.model.clone();
+        model.modes.push(seen.mode);
+        let next = self.refitted(now, model)?;
+        let is_mode =
+            |next: &Found| next.fitted.is_found() && self.is_mode(next.lowers(now), seen.of.steady);
+        Ok(next.filter(is_mode))
+    }
+
+    /// With the slopes of the modes, where they are not there and explain more than chance does.
+    fn with_slopes(&self, now: &Found) -> Result<Option<Found>, ProblemError> {
+        let mut model = now.model.clone();
+        let open = model.modes.iter_mut().filter(|m| !m.estimate.inertia_slope);
+        let new = open.map(|mode| mode.estimate.inertia_slope = true).count();
+        if new == 0 {
+            return Ok(None);
+        }
+        let next = self.refitted(now, model)?;
+        let by_chance = self.by_chance(TENSOR.len() * new);
+        Ok(next.filter(|next| next.lowers(now) > by_chance))
     }
 
     /// How much so many numbers more lower chi-square by chance.
@@ -318,8 +343,11 @@ impl<'a> Search<'a> {
         decrease > EVIDENCE && decrease - steady > self.by_chance(ANSWERS).max(NOTABLE * steady)
     }
 
-    /// The mode that the residual shows, as far as it does, and what a wave of constant amplitude explains.
-    fn seen_mode(&self, now: &Found) -> Option<(FlexibleMode, f64)> {
+    /// The mode that the residual shows, as far as it does.
+    fn seen_mode(&self, now: &Found) -> Option<Seen> {
+        if now.model.modes.len() == MOST_MODES {
+            return None;
+        }
         let own = self.of(&now.model);
         let experiment = self.experiment(&own, &now.parameters);
         let seen = oscillation(&experiment, &now.fitted.evaluated)?;
@@ -348,7 +376,7 @@ impl<'a> Search<'a> {
             },
             estimate: every,
         };
-        Some((mode, seen.steady))
+        Some(Seen { mode, of: seen })
     }
 }
 

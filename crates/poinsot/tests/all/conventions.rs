@@ -23,7 +23,7 @@ const WRONG: f64 = 5.0;
 /// Sigmas of a right record by which a convention has to change the answer to be judged.
 const LARGE: f64 = 10.0;
 /// Without trials, the test takes each of so many rows.
-const DRAWN: usize = 36;
+const DRAWN: usize = 72;
 
 /// A record: name, case, samples a second.
 const RECORDS: [(&str, &str, f64); 6] = [
