@@ -269,7 +269,7 @@ fn span(text: &str) -> Result<[f64; 2], String> {
 pub struct Import {
     /// Robot (URDF), or a table of modes (CSV) as finite-element programs print it: frequency and mass-normalised participation
     /// factors T1, T2, T3, R1, R2, R3 about the origin of the body's frame, the body held.
-    #[arg(value_name = "ROBOT.urdf|MODES.csv")]
+    #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// Model file to write. Default: standard output.
     #[arg(long, short = 'o', value_name = "MODEL.toml")]
