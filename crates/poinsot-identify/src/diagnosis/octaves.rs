@@ -102,14 +102,15 @@ pub(crate) fn consistent(evaluated: &[Evaluated], settings: &Settings) -> bool {
     chance(evaluated, settings) > settings.false_alarm
 }
 
-/// Chance of an octave as large as the largest of all residuals, at most one for each of them.
+/// Chance that some octave of the residuals is as unlikely as the least likely one, at most (Bonferroni). NaN where one is.
 pub(crate) fn chance(evaluated: &[Evaluated], settings: &Settings) -> f64 {
     let channels = evaluated.iter().flat_map(|e| &e.channels);
     let levels: Vec<Octave> = channels
         .flat_map(|c| octaves(&c.white, c.numbers, settings.loss))
         .collect();
-    let each = levels.iter().map(|level| level.p_value(1.0));
-    each.fold(1.0, f64::min) * levels.len() as f64
+    let count = levels.len() as f64;
+    let each = levels.iter().map(|level| level.p_value(1.0) * count);
+    each.fold(1.0, |a, b| if a.is_nan() || a <= b { a } else { b })
 }
 
 #[cfg(test)]
