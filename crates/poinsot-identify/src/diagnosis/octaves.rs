@@ -105,12 +105,10 @@ pub(crate) fn consistent(evaluated: &[Evaluated], settings: &Settings) -> bool {
 /// Chance that some octave of the residuals is as unlikely as the least likely one, at most (Bonferroni). NaN where one is.
 pub(crate) fn chance(evaluated: &[Evaluated], settings: &Settings) -> f64 {
     let channels = evaluated.iter().flat_map(|e| &e.channels);
-    let levels: Vec<Octave> = channels
-        .flat_map(|c| octaves(&c.white, c.numbers, settings.loss))
-        .collect();
-    let count = levels.len() as f64;
-    let each = levels.iter().map(|level| level.p_value(1.0) * count);
-    each.fold(1.0, |a, b| if a.is_nan() || a <= b { a } else { b })
+    let levels = channels.flat_map(|c| octaves(&c.white, c.numbers, settings.loss));
+    let each: Vec<f64> = levels.map(|level| level.p_value(1.0)).collect();
+    let together = each.iter().map(|p| p * each.len() as f64);
+    together.fold(1.0, |a, b| if a.is_nan() || a <= b { a } else { b })
 }
 
 #[cfg(test)]
