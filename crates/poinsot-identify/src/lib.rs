@@ -68,8 +68,8 @@
 //! - `answer/`: from the solved problem to the `Estimate`. `write.rs`, and one file per part. `reliability.rs`: the
 //!   tests of the answer. `sensor_noise.rs`: every sensor against its declared noise. `determined.rs`: combinations
 //!   printed instead of single numbers.
-//! - `methods/`: `linear.rs`, `maximum_likelihood.rs`: the two methods. `flexible.rs`: modes that the data show, and the entry to
-//!   maximum likelihood. `cramer_rao.rs`: the bound.
+//! - `methods/`: `linear.rs`, `maximum_likelihood.rs`: the two methods. `other_minima.rs`: further starts where a minimum does not
+//!   stand. `flexible.rs`: modes that the data show, and the entry to maximum likelihood. `cramer_rao.rs`: the bound.
 //! - `prediction/`: `curves.rs`: curves of the report. `held_back.rs`: a record that was not used. `completion.rs`:
 //!   completion of undetermined numbers for a prediction.
 //! - `evaluation/`: `evaluator.rs`: all quantities at any value of the unknowns, for other methods. `wanted.rs`: sigmas

@@ -59,10 +59,36 @@ struct Series {
     of_rigid: (Square, Sides),
 }
 
-/// The best mode by one scan over all segments; `None` without a gyro, or in too short a record.
-pub(crate) fn oscillation(experiment: &Experiment, evaluated: &[Evaluated]) -> Option<Oscillation> {
+/// A wave of constant amplitude in a residual.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Wave {
+    pub frequency_Hz: f64,
+    /// How much it lowers chi-square.
+    pub decrease: f64,
+}
+
+/// The wave of constant amplitude up to a frequency that explains most of a residual; `None` where the record is too short for one.
+pub(crate) fn wave(experiment: &Experiment, evaluated: &[Evaluated], most_Hz: f64) -> Option<Wave> {
+    let all = series(experiment, evaluated);
+    let span = all.iter().map(Series::span).fold(0.0, f64::max);
+    let count = (most_Hz * span / OF_PERIOD) as usize;
+    let first = (PERIODS / OF_PERIOD) as usize;
+    strongest(&all, (first..=count).map(|k| OF_PERIOD * k as f64 / span))
+}
+
+fn strongest(all: &[Series], frequencies: impl Iterator<Item = f64>) -> Option<Wave> {
+    let of = |frequency_Hz| Wave {
+        frequency_Hz,
+        decrease: steady(all, frequency_Hz),
+    };
+    frequencies
+        .map(of)
+        .max_by(|a, b| a.decrease.total_cmp(&b.decrease))
+}
+
+fn series(experiment: &Experiment, evaluated: &[Evaluated]) -> Vec<Series> {
     let segments = experiment.problem.segments.iter().zip(evaluated);
-    let all: Vec<Series> = segments
+    let all = segments
         .filter_map(|(segment, one)| {
             let o = &segment.observations;
             let gyro = o.best_gyro()?;
@@ -84,9 +110,13 @@ pub(crate) fn oscillation(experiment: &Experiment, evaluated: &[Evaluated]) -> O
                 of_rigid: (Square::zeros(), Sides::zeros()),
             })
         })
-        .filter(|s| s.white.len() == s.time_s.len() && s.time_s.len() > 4 * ALL)
-        .map(Series::summed)
-        .collect();
+        .filter(|s| s.white.len() == s.time_s.len() && s.time_s.len() > 4 * ALL);
+    all.map(Series::summed).collect()
+}
+
+/// The best mode by one scan over all segments; `None` without a gyro, or in too short a record.
+pub(crate) fn oscillation(experiment: &Experiment, evaluated: &[Evaluated]) -> Option<Oscillation> {
+    let all = series(experiment, evaluated);
     let spans = all.iter().map(Series::span);
     let span = spans.fold(0.0, f64::max);
     let steps = all.iter().map(|s| s.span() / s.time_s.len() as f64);
@@ -116,8 +146,7 @@ pub(crate) fn oscillation(experiment: &Experiment, evaluated: &[Evaluated]) -> O
     }
     let centre = best?.frequency_Hz;
     let near = |k: i32| centre + STEADY_STEP * f64::from(k) / span;
-    let steady = (-STEADY..=STEADY).map(|k| steady(&all, near(k)));
-    let steady = steady.fold(0.0, f64::max);
+    let steady = strongest(&all, (-STEADY..=STEADY).map(near))?.decrease;
     best.map(|b| Oscillation { steady, ..b })
 }
 

@@ -22,7 +22,7 @@ use crate::problem::alternative::Alternative;
 use crate::problem::parameters::Parameters;
 use crate::problem::prior;
 use crate::problem::refusal::not_finite;
-use crate::problem::segment::Segment;
+use crate::problem::segment::{Samples, Segment};
 use crate::problem::settings::Settings;
 use crate::problem::shifted_vehicle::ShiftedVehicle;
 use nalgebra::UnitQuaternion;
@@ -36,6 +36,7 @@ use poinsot_model::{MomentumKnowledge, Thruster};
 use poinsot_solve::{BlockQr, Spectrum, Triangle};
 use poinsot_spatial::Vector3;
 use rayon::prelude::*;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::sync::{Arc, OnceLock};
 
 /// Sigma in natural units below which a fit moves a direction.
@@ -318,6 +319,14 @@ impl<'a> Experiment<'a> {
         Some(readings + calibration + design)
     }
 
+    /// Whether an iterate agrees with what is declared of its numbers.
+    pub fn agrees(&self, at: &Iterate) -> bool {
+        let rows = self.prior_rows(at, true);
+        let chi2: f64 = rows.iter().map(|row| row.residual * row.residual).sum();
+        let chance = ChiSquared::new(rows.len() as f64).map_or(1.0, |c| c.sf(chi2));
+        chance > self.settings.false_alarm
+    }
+
     /// Whether any mass property has a declared prior.
     pub fn has_design_prior(&self) -> bool {
         let bodies = &self.problem.model.bodies;
@@ -420,7 +429,13 @@ impl<'a> Experiment<'a> {
 
     /// Start of a segment from its first sample and the momentum that the vehicle has at `x` then.
     pub fn measured_initial_state(&self, segment: &Segment, x: &[f64]) -> InitialState {
-        let s = &segment.samples;
+        let samples = &segment.samples;
+        let w = samples.w_NB_B.first().copied().unwrap_or_default();
+        self.initial_state_at(samples, w, x)
+    }
+
+    /// The same at another rate of the base.
+    pub fn initial_state_at(&self, s: &Samples, w: Vector3, x: &[f64]) -> InitialState {
         let (tree, dof) = (self.problem.tree, self.problem.tree.dof());
         let bodies = self.parameters.bodies(x);
         let mut kinematics = Kinematics::new(tree);
@@ -430,7 +445,6 @@ impl<'a> Experiment<'a> {
             .first()
             .copied()
             .unwrap_or_else(UnitQuaternion::identity);
-        let w = s.w_NB_B.first().copied().unwrap_or_default();
         let v = match (&s.translation, self.measured_motion) {
             (Some(t), MeasuredMotion::Translation) => {
                 R.inverse() * t.v_NBo_N.first().copied().unwrap_or_default()

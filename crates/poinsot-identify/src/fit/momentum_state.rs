@@ -6,7 +6,9 @@
 //! properties: only pose and momentum follow whole.
 
 use crate::fit::experiment::{Experiment, Iterate};
-use crate::fit::step::{BoundaryBodies, Linearisation, held, linearised, moved, physical_bodies};
+use crate::fit::step::{
+    BoundaryBodies, LEFT, Linearisation, held, linearised, moved, physical_bodies,
+};
 use crate::fit::triangle::SharedTriangle;
 use crate::likelihood::{ChannelResidual, Evaluated};
 use crate::problem::ProblemError;
@@ -42,9 +44,12 @@ pub(crate) fn fit_on(
     fitted(experiment, levenberg_marquardt(experiment, at, here, limit)).ok()
 }
 
-/// Pose, momentum and biases that fit best at the nominal mass properties, which are held.
-pub(crate) fn fit_starts(experiment: &Experiment, limit: usize) -> Result<Iterate, ProblemError> {
-    let mut at = experiment.nominal_point();
+/// Pose, momentum and biases that fit best at the mass properties of a point, which are held.
+pub(crate) fn fit_starts(
+    experiment: &Experiment,
+    mut at: Iterate,
+    limit: usize,
+) -> Result<Iterate, ProblemError> {
     let evaluate = |at: &Iterate| experiment.evaluate(at, true);
     let mut here = linearised(experiment, &at, evaluate(&at).ok_or_else(no_motion)?)?;
     for _ in 0..limit {
@@ -136,7 +141,8 @@ fn fitted(
             End::NoLowerCost | End::RoundOff => {
                 here.predicted_reduction < NEGLIGIBLE_PROMISE * here.cost.max(1.0)
             }
-            End::IterationLimit | End::TooSlow => false,
+            // Evaluations that differ by more than round-off end near the minimum, not at it.
+            End::IterationLimit | End::TooSlow => here.predicted_reduction < LEFT,
         },
         settled,
         search: Search::Whole,

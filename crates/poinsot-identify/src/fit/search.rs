@@ -71,11 +71,22 @@ pub(crate) fn fit(
     search(experiment, &starts).ok_or_else(no_motion)
 }
 
-/// The fit about smoothed inputs, followed along the record; `None` where it does not converge either.
+/// The fit of the whole record, followed from its beginning; `None` where that does not lead to its end.
+pub(crate) fn fit_along(experiment: &Experiment, linear: Option<&Iterate>) -> Option<Fitted> {
+    let bodies = physical_bodies(experiment, experiment.parameters.mass_unknowns);
+    let path = follow(experiment, &starts(experiment, linear, bodies.as_ref()));
+    let at = path.at.filter(|_| path.end == Search::Whole)?;
+    fit_from(experiment, at, ITERATIONS)
+}
+
+/// The fit about smoothed inputs, followed along the record; `None` where it does not converge either, or no input has noise.
 pub(crate) fn fit_about_smoothed(
     experiment: &Experiment,
     linear: Option<&Iterate>,
 ) -> Option<SmoothedInputs> {
+    if !experiment.has_noisy_inputs() {
+        return None;
+    }
     let bodies = physical_bodies(experiment, experiment.parameters.mass_unknowns);
     let starts = starts(experiment, linear, bodies.as_ref());
     let path = follow_on(experiment, &starts, true);
@@ -347,7 +358,7 @@ fn is_long_enough(experiment: &Experiment, share: f64) -> bool {
 /// Where the fit of a beginning of the record ended.
 struct Beginning {
     at: Iterate,
-    /// Whether its chi-square is of the size of its expectation.
+    /// Whether its chi-square is of the size of its expectation, and its numbers are as declared.
     explains: bool,
     /// Whether no step lowers it much.
     settled: bool,
@@ -365,7 +376,7 @@ fn fit_beginning(experiment: &Experiment, start: &Iterate, share: f64) -> Option
         let here = part.linearise(start)?;
         let end = levenberg_marquardt(&part, start.clone(), here, ARC_ITERATIONS);
         Some(Beginning {
-            explains: part.is_close(&end.here),
+            explains: part.is_close(&end.here) && part.agrees(&end.at),
             settled: is_settled(&end),
             at: end.at,
         })

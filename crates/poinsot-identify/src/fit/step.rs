@@ -20,7 +20,7 @@ pub(crate) const ITERATIONS: usize = 60;
 const CONVERGED_BELOW: f64 = 1.0e-8;
 /// Reduction of chi-square that may be left where the derivatives of an earlier iterate serve: a step of a thousandth of a
 /// sigma.
-const LEFT: f64 = 1.0e-6;
+pub(super) const LEFT: f64 = 1.0e-6;
 /// Fall of chi-square by a full step, one sigma, below which columns of known numbers are made where they are used, since older
 /// ones may lead away from the answer, and a fit that only leads near it ends without a look where its last step led.
 const NEAR: f64 = 1.0;
@@ -188,11 +188,16 @@ impl Experiment<'_> {
         evaluated.is_some_and(|e| self.chi2(at, &e).is_some_and(|cost| self.expects(cost, &e)))
     }
 
-    fn covariance_moves(&self) -> f64 {
+    /// Whether noise of measured inputs drives the vehicle.
+    pub fn has_noisy_inputs(&self) -> bool {
         let noise = self.problem.noise;
         let inputs = [&noise.joint_position, &noise.joint_rate, &noise.wheel_speed];
-        let noisy = inputs.into_iter().flatten().any(|v| *v > 0.0);
-        match noisy || self.problem.model.environment.random_torque.is_some() {
+        inputs.into_iter().flatten().any(|v| *v > 0.0)
+    }
+
+    fn covariance_moves(&self) -> f64 {
+        let random = self.problem.model.environment.random_torque.is_some();
+        match self.has_noisy_inputs() || random {
             true => COVARIANCE * self.scatter,
             false => 0.0,
         }

@@ -5,6 +5,7 @@
 //! chance; then with the slopes of their inertia. What comes out is an answer where it passes every test of one.
 
 use super::maximum_likelihood::{FinishedFit, LinearStart, solve, solve_from};
+use super::other_minima::{EVIDENCE, SUSPICIOUS};
 use crate::answer;
 use crate::diagnosis::Suspect;
 use crate::diagnosis::octaves::consistent;
@@ -26,8 +27,6 @@ use poinsot_model::{FlexibleMode, Mode, ModeEstimate, Model};
 use poinsot_spatial::{Matrix3, TENSOR, Vector3};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// Least decrease of chi-square for a mode: a scan over some thousand frequencies finds up to 40 by chance.
-const EVIDENCE: f64 = 60.0;
 /// Numbers by which the answer of a mode to the motion differs from a wave of constant amplitude.
 const ANSWERS: usize = 5;
 /// Share of the inertia about its axis that a mode carries at the start of its fit, at least, at most, and where its answer to
@@ -40,9 +39,6 @@ const USUAL_SHARE: f64 = 0.1;
 const NOTABLE: f64 = 0.1;
 /// Iterations with one more mode: a good start needs five to ten.
 const REFITS: usize = 15;
-/// Chance of a residual of the rigid vehicle below which modes are looked for: a mode may hide in one that no test rejects, and be many
-/// sigmas of the answer.
-const SUSPICIOUS: f64 = 0.02;
 /// Damping, in its sigmas, below which a mode is not told from a disturbance of constant amplitude.
 const DAMPED: f64 = 3.0;
 

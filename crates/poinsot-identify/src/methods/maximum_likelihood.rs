@@ -22,6 +22,7 @@ use crate::likelihood::{
     ChannelResidual, Evaluated, InitialState, InitialStateColumns, MeasuredMotion,
 };
 use crate::methods::linear::solve_linear;
+use crate::methods::other_minima::least;
 use crate::motion::input_curves::extrapolated_inputs;
 use crate::motion::input_noise::approximate;
 use crate::problem::alternative::Alternative;
@@ -113,7 +114,11 @@ pub(super) fn solve_from(
 
     // The alternatives of what inputs do between their samples, each from the end of the best one before it.
     let explains = |fitted: &Fitted| consistent(&fitted.evaluated, &settings);
-    let first = fit(&experiment, start.as_ref())?;
+    let first = least(
+        &experiment,
+        fit(&experiment, start.as_ref())?,
+        start.as_ref(),
+    );
     let known = || fit_known(&experiment, &first).filter(|known| known.fitted.converged);
     let followed = (!first.converged).then(|| fit_about_smoothed(&experiment, start.as_ref()));
     let (followed, end) = followed.flatten().map(|s| (s.segments, s.fitted)).unzip();

@@ -128,7 +128,7 @@ pub fn predicted_by(
         other => other,
     }?;
     let experiment = Experiment::new(&held, &parameters);
-    match fit_starts(&experiment, STARTS) {
+    match fit_starts(&experiment, experiment.nominal_point(), STARTS) {
         Ok(at) => Ok(predict(&experiment, &at, points)),
         // Bodies without a motion: an answer, but no curve.
         Err(fault) if fault.code() == NO_MOTION => Ok(Vec::new()),

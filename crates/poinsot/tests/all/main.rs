@@ -13,6 +13,7 @@ mod bad_questions;
 mod book;
 mod campaign;
 mod campaign_page;
+mod coasting;
 mod common_thrust;
 mod compare;
 mod conventions;

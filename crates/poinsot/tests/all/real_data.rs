@@ -126,6 +126,29 @@ fn xval_lomonosov_gives_no_number() {
     }
 }
 
+/// The table of `docs/validation/real_flight.md`: the nutation rate over the mean measured rate, beside an independent count.
+#[test]
+#[ignore = "needs POINSOT_DATA"]
+fn xval_suchai3_nutates_as_counted() {
+    for (date, counted, sigma) in [
+        ("20230824", 0.13500, 0.00014),
+        ("20231211", 0.13430, 0.00027),
+    ] {
+        let record = outside(&format!("data/real/suchai3/suchai3_{date}.csv"));
+        let identified = ask("suchai3", vec![record.clone()], "auto");
+        let rates = crate::coasting::rates(&record);
+        let found = crate::coasting::nutation(&estimate_file(&identified), &rates, "bus");
+        let k = found / rates.iter().sum::<nalgebra::Vector3<f64>>().y.abs() * rates.len() as f64;
+        println!(
+            "{date}: nutation over mean measured rate {k:.5}, counted {counted:.5}({sigma:.5})"
+        );
+        assert!((k - counted).abs() < 3.0 * sigma, "{date}: {k}");
+        // What the record tells: one direction of the tensor much better than the prior.
+        let told = &identified.estimate.identifiability;
+        assert!(!told.open.is_empty(), "the prior alone tells the scale");
+    }
+}
+
 /// A satellite at rest with wheels at rest determines nothing.
 #[test]
 fn regress_rest_is_not_identifiable() {
