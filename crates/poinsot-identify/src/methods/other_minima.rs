@@ -37,24 +37,27 @@ pub(super) fn least(experiment: &Experiment, found: Fitted, linear: Option<&Iter
     if !found.explains || experiment.settings.undiagnosed {
         return found;
     }
-    let mut best = found;
+    let best = of_nutations(experiment, found);
     let by_chance = chance(&best.evaluated, &experiment.settings);
-    let stands = best.converged && by_chance > SUSPICIOUS && experiment.agrees(&best.at);
-    let mut seen = nutation(experiment, &best);
-    if (seen.is_some() || !stands)
-        && let Some(other) = lower(experiment, &best, fit_along(experiment, linear))
-    {
-        best = other;
-        seen = nutation(experiment, &best);
+    if best.converged && by_chance > SUSPICIOUS && experiment.agrees(&best.at) {
+        return best;
     }
+    match lower(experiment, &best, fit_along(experiment, linear)) {
+        Some(other) => of_nutations(experiment, other),
+        None => best,
+    }
+}
+
+/// The smallest minimum from the frequencies that the residual of each shows.
+fn of_nutations(experiment: &Experiment, mut best: Fitted) -> Fitted {
     for _ in 0..STARTS {
+        let seen = nutation(experiment, &best);
         let start = seen.and_then(|seen| seen.start(experiment, &best));
         let fitted = start.and_then(|at| fit_near(experiment, at, LONG));
-        let Some(other) = lower(experiment, &best, fitted) else {
-            break;
-        };
-        best = other;
-        seen = nutation(experiment, &best);
+        match lower(experiment, &best, fitted) {
+            Some(other) => best = other,
+            None => break,
+        }
     }
     best
 }
