@@ -9,6 +9,7 @@
 use crate::fit::experiment::Experiment;
 use crate::likelihood::Evaluated;
 use nalgebra::{Cholesky, Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::f64::consts::TAU;
 
 /// Damping ratios of the scan, and of its refinement.
@@ -30,6 +31,8 @@ const STEADY_STEP: f64 = 0.1;
 /// Columns that a rigid fit takes up, and those of the mode.
 const RIGID: usize = 5;
 const ALL: usize = 10;
+/// Numbers of a wave of constant amplitude: two on each axis.
+const AMPLITUDES: usize = 6;
 
 type Square = SMatrix<f64, ALL, ALL>;
 type Sides = SMatrix<f64, ALL, 3>;
@@ -65,6 +68,8 @@ pub(crate) struct Wave {
     pub frequency_Hz: f64,
     /// How much it lowers chi-square.
     pub decrease: f64,
+    /// Chance of as much in white noise, at most: the sum of that of all frequencies (Bonferroni).
+    pub chance: f64,
 }
 
 /// The wave of constant amplitude up to a frequency that explains most of a residual; `None` where the record is too short for one.
@@ -77,13 +82,15 @@ pub(crate) fn wave(experiment: &Experiment, evaluated: &[Evaluated], most_Hz: f6
 }
 
 fn strongest(all: &[Series], frequencies: impl Iterator<Item = f64>) -> Option<Wave> {
-    let of = |frequency_Hz| Wave {
+    let of = |frequency_Hz| (frequency_Hz, steady(all, frequency_Hz));
+    let tried: Vec<(f64, f64)> = frequencies.map(of).collect();
+    let (frequency_Hz, decrease) = *tried.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let numbers = ChiSquared::new((AMPLITUDES * all.len()) as f64).ok()?;
+    Some(Wave {
         frequency_Hz,
-        decrease: steady(all, frequency_Hz),
-    };
-    frequencies
-        .map(of)
-        .max_by(|a, b| a.decrease.total_cmp(&b.decrease))
+        decrease,
+        chance: (tried.len() as f64 * numbers.sf(decrease)).min(1.0),
+    })
 }
 
 fn series(experiment: &Experiment, evaluated: &[Evaluated]) -> Vec<Series> {

@@ -36,7 +36,6 @@ use poinsot_model::{MomentumKnowledge, Thruster};
 use poinsot_solve::{BlockQr, Spectrum, Triangle};
 use poinsot_spatial::Vector3;
 use rayon::prelude::*;
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::sync::{Arc, OnceLock};
 
 /// Sigma in natural units below which a fit moves a direction.
@@ -319,12 +318,12 @@ impl<'a> Experiment<'a> {
         Some(readings + calibration + design)
     }
 
-    /// Whether an iterate agrees with what is declared of its numbers.
-    pub fn agrees(&self, at: &Iterate) -> bool {
+    /// Chance that some number is as far from what is declared of it as the farthest one here, at most (Bonferroni).
+    pub fn declared_chance(&self, at: &Iterate) -> f64 {
         let rows = self.prior_rows(at, true);
-        let chi2: f64 = rows.iter().map(|row| row.residual * row.residual).sum();
-        let chance = ChiSquared::new(rows.len() as f64).map_or(1.0, |c| c.sf(chi2));
-        chance > self.settings.false_alarm
+        let farthest = rows.iter().map(|row| row.residual.abs());
+        let z = farthest.fold(0.0, f64::max);
+        prior::chance_of_largest(z, rows.len())
     }
 
     /// Whether any mass property has a declared prior.

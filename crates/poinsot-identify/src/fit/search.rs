@@ -375,8 +375,9 @@ fn fit_beginning(experiment: &Experiment, start: &Iterate, share: f64) -> Option
         let part = experiment.with_problem(&problem).near();
         let here = part.linearise(start)?;
         let end = levenberg_marquardt(&part, start.clone(), here, ARC_ITERATIONS);
+        let as_declared = part.declared_chance(&end.at) > part.settings.false_alarm;
         Some(Beginning {
-            explains: part.is_close(&end.here) && part.agrees(&end.at),
+            explains: part.is_close(&end.here) && as_declared,
             settled: is_settled(&end),
             at: end.at,
         })

@@ -15,7 +15,8 @@ use nalgebra::{DMatrix, UnitQuaternion};
 use poinsot_spatial::{Matrix3, Vector3};
 use std::f64::consts::TAU;
 
-/// Chance of a residual below which it may hide an oscillation: one that no test rejects can be many sigmas of the answer.
+/// Chance below which a residual may hide an oscillation, and a difference from what is declared another minimum: what no test
+/// rejects can be many sigmas of the answer.
 pub(super) const SUSPICIOUS: f64 = 0.02;
 /// Least decrease of chi-square by an oscillation: a scan over some thousand frequencies finds up to 40 by chance.
 pub(super) const EVIDENCE: f64 = 60.0;
@@ -34,12 +35,15 @@ const DIFFERENCE: f64 = 1.0e-6;
 
 /// The smallest minimum from all starts; the one that was found where it stands.
 pub(super) fn least(experiment: &Experiment, found: Fitted, linear: Option<&Iterate>) -> Fitted {
-    if !found.explains || experiment.settings.undiagnosed {
+    if experiment.settings.undiagnosed {
         return found;
     }
     let best = of_nutations(experiment, found);
-    let by_chance = chance(&best.evaluated, &experiment.settings);
-    if best.converged && by_chance > SUSPICIOUS && experiment.agrees(&best.at) {
+    let of_residual = chance(&best.evaluated, &experiment.settings);
+    let by_chance = of_residual.min(experiment.declared_chance(&best.at));
+    let stands = best.converged && by_chance > SUSPICIOUS;
+    // What is far from an explanation was followed already.
+    if stands || !best.explains {
         return best;
     }
     match lower(experiment, &best, fit_along(experiment, linear)) {
@@ -92,7 +96,7 @@ fn nutation(experiment: &Experiment, found: &Fitted) -> Option<Nutation> {
     let evaluated = &found.evaluated[segment..=segment];
     let most = spin.fastest(&found.at.x)? / TAU;
     let seen = wave(&experiment.with_problem(&own), evaluated, most)?;
-    (seen.decrease > EVIDENCE).then_some(Nutation {
+    (seen.chance < SUSPICIOUS).then_some(Nutation {
         segment,
         frequency_Hz: seen.frequency_Hz,
     })

@@ -67,17 +67,21 @@ pub(crate) struct PriorTest {
 }
 
 impl PriorTest {
-    /// Of the largest of several differences in sigmas; p is at most the sum of that of all (Bonferroni).
+    /// Of the largest of several differences in sigmas.
     pub fn of_largest(of: &'static str, z: f64, count: usize, limit: f64) -> Self {
-        let tail = erfc(z.abs() * std::f64::consts::FRAC_1_SQRT_2);
         Self {
             of,
             statistic: ("largest difference, sigma", z.abs()),
             count,
-            p: (count as f64 * tail).min(1.0),
+            p: chance_of_largest(z, count),
             contradicted: z.abs() > limit,
         }
     }
+}
+
+/// Chance of a difference as large as the largest of so many, sigmas: at most the sum of that of all (Bonferroni).
+pub(crate) fn chance_of_largest(z: f64, count: usize) -> f64 {
+    (count as f64 * erfc(z.abs() * std::f64::consts::FRAC_1_SQRT_2)).min(1.0)
 }
 
 /// Rows of the declared priors at a value of the unknowns, and their contribution to chi-square.

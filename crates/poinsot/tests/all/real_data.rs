@@ -138,7 +138,8 @@ fn xval_suchai3_nutates_as_counted() {
         let identified = ask("suchai3", vec![record.clone()], "auto");
         let rates = crate::coasting::rates(&record);
         let found = crate::coasting::nutation(&estimate_file(&identified), &rates, "bus");
-        let k = found / rates.iter().sum::<nalgebra::Vector3<f64>>().y.abs() * rates.len() as f64;
+        let k = found.unwrap() / rates.iter().sum::<nalgebra::Vector3<f64>>().y.abs()
+            * rates.len() as f64;
         println!(
             "{date}: nutation over mean measured rate {k:.5}, counted {counted:.5}({sigma:.5})"
         );
