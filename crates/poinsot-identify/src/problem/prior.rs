@@ -79,9 +79,9 @@ impl PriorTest {
     }
 }
 
-/// Chance of a difference as large as the largest of so many, sigmas: at most the sum of that of all (Bonferroni).
+/// Chance of a difference as large as the largest of so many, sigmas: at most the sum of that of all (Bonferroni); 1 of none.
 pub(crate) fn chance_of_largest(z: f64, count: usize) -> f64 {
-    (count as f64 * erfc(z.abs() * std::f64::consts::FRAC_1_SQRT_2)).min(1.0)
+    (count.max(1) as f64 * erfc(z.abs() * std::f64::consts::FRAC_1_SQRT_2)).min(1.0)
 }
 
 /// Rows of the declared priors at a value of the unknowns, and their contribution to chi-square.
