@@ -21,6 +21,7 @@ use poinsot_model::{
     Environment, FlexibleMode, Mode, ModeEstimate, Model, SensorKind, SlowError, SpringDamper,
     SpringNumber, parse_model,
 };
+use poinsot_solve::LeastSquares;
 
 const MODEL: &str = r#"
 schema = "poinsot.model/1"
@@ -455,6 +456,9 @@ fn slopes_of(model: &Model, translation: bool, loss: Loss) -> Vec<(String, f64, 
             _ => evaluated.cost,
         }
     };
+    if loss == Loss::Gaussian {
+        a_short_step_keeps_its_promise(&experiment, &point);
+    }
     let mut out = Vec::new();
     for j in 0..last {
         let step = 1.0e-5;
@@ -486,6 +490,24 @@ fn slopes_of(model: &Model, translation: bool, loss: Loss) -> Vec<(String, f64, 
         out.push((name, by_rows(j), by_differences));
     }
     out
+}
+
+/// A step shortens with its damping, pose and momentum too, and a short one lowers chi-square by what it promises.
+fn a_short_step_keeps_its_promise(experiment: &Experiment, point: &Iterate) {
+    let chi2 = |p: &Iterate| {
+        let evaluated = experiment.evaluate(p, false).unwrap();
+        let determinant: f64 = evaluated.iter().map(|e| e.cost - e.chi2).sum();
+        experiment.chi2(p, &evaluated).unwrap() - determinant
+    };
+    let here = experiment.linearise(point).unwrap();
+    let damping = 1.0e9 * experiment.longest_column(&here.rows.evaluated).powi(2);
+    let step = experiment.step(point, &here, damping);
+    let (fell, promised) = (chi2(point) - chi2(&step.to), step.predicted_reduction);
+    assert!(
+        promised > 0.0 && (fell / promised - 1.0).abs() < 0.01,
+        "fell {fell:.6e}, promised {promised:.6e} of {:.6e}",
+        here.predicted_reduction
+    );
 }
 
 fn slopes_agree(translation: bool, loss: Loss) {

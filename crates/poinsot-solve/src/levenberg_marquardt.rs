@@ -286,8 +286,9 @@ fn attempt<P: LeastSquares>(
     if damping == 0.0 {
         return full_steps(problem, (at, here, before), step);
     }
-    let cost = problem.cost(&step.to)?;
-    let gain = (here.cost - cost + here.slack) / (step.predicted_reduction + here.slack);
+    let wanted = step.predicted_reduction + here.slack;
+    let cost = (wanted > 0.0).then(|| problem.cost(&step.to)).flatten()?;
+    let gain = (here.cost - cost + here.slack) / wanted;
     let believed = step.acceleration_ratio <= LARGEST_ACCELERATION_RATIO && gain >= LEAST_GAIN;
     let there = believed.then(|| problem.linearise(&step.to)).flatten()?;
     Some((step.to, there, gain))
@@ -430,6 +431,18 @@ mod tests {
                 acceleration_ratio: 0.0,
             }
         }
+    }
+
+    #[test]
+    fn unit_a_step_that_promises_a_rise_is_not_taken() {
+        let problem = Nowhere;
+        let here = problem.linearise(&0.0).expect("defined everywhere");
+        let step = Step {
+            to: 0.0,
+            predicted_reduction: -50.0,
+            acceleration_ratio: 0.0,
+        };
+        assert!(attempt(&problem, (&0.0, &here, None), step, 1.0).is_none());
     }
 
     #[test]

@@ -2,13 +2,11 @@
 //!
 //! Pose, momentum and biases are eliminated by the order of the columns, so each step is decided in the
 //! mass properties alone; the rest follows by back-substitution. Directions that the data leave open do
-//! not move. A damped step holds biases, lags and what else is wrong with the instruments back as it does the mass
-//! properties: only pose and momentum follow whole.
+//! not move. A damped step holds back what is wrong with the instruments as it does the mass
+//! properties: pose and momentum follow.
 
 use crate::fit::experiment::{Experiment, Iterate};
-use crate::fit::step::{
-    BoundaryBodies, LEFT, Linearisation, held, linearised, moved, physical_bodies,
-};
+use crate::fit::step::{BoundaryBodies, Linearisation, held, linearised, moved, physical_bodies};
 use crate::fit::triangle::SharedTriangle;
 use crate::likelihood::{ChannelResidual, Evaluated};
 use crate::problem::ProblemError;
@@ -17,6 +15,8 @@ use poinsot_solve::{End, LeastSquares, Linearised, Minimum, Spectrum, levenberg_
 
 /// Share of the cost that a full step may still promise where the cost is known well enough to contradict a model.
 const SETTLED: f64 = 1.0e-2;
+/// Reduction of chi-square that may be left where steps end in the differences of evaluations: a hundredth of a sigma.
+const NEAR: f64 = 1.0e-4;
 /// Share of chi-square that may be left where no step lowers it: round-off, not a failure.
 const NEGLIGIBLE_PROMISE: f64 = 1.0e-4;
 
@@ -142,7 +142,7 @@ fn fitted(
                 here.predicted_reduction < NEGLIGIBLE_PROMISE * here.cost.max(1.0)
             }
             // Evaluations that differ by more than round-off end near the minimum, not at it.
-            End::IterationLimit | End::TooSlow => here.predicted_reduction < LEFT,
+            End::IterationLimit | End::TooSlow => here.predicted_reduction < NEAR,
         },
         settled,
         search: Search::Whole,

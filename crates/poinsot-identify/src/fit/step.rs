@@ -1,12 +1,11 @@
 //! One step of a fit: the linearisation at an iterate, and a damped step on the triangle of the shared unknowns.
 //!
-//! A damped step also damps biases, lags and other sensor errors; pose and momentum are not damped. Unobservable
-//! directions do not move.
+//! A damped step damps all unknowns, pose and momentum least. Unobservable directions do not move.
 
 use crate::fit::coordinates::PhysicalBodies;
 use crate::fit::experiment::{Experiment, Iterate, known_columns_last};
-use crate::fit::triangle::{SharedTriangle, conditional_estimate};
-use crate::likelihood::Evaluated;
+use crate::fit::triangle::{self, SharedTriangle, conditional_estimate, damped, lowered};
+use crate::likelihood::{Evaluated, InitialStateColumns};
 use crate::problem::ProblemError;
 use crate::problem::refusal::no_motion;
 use crate::problem::settings::Coordinates;
@@ -20,7 +19,7 @@ pub(crate) const ITERATIONS: usize = 60;
 const CONVERGED_BELOW: f64 = 1.0e-8;
 /// Reduction of chi-square that may be left where the derivatives of an earlier iterate serve: a step of a thousandth of a
 /// sigma.
-pub(super) const LEFT: f64 = 1.0e-6;
+const LEFT: f64 = 1.0e-6;
 /// Fall of chi-square by a full step, one sigma, below which columns of known numbers are made where they are used, since older
 /// ones may lead away from the answer, and a fit that only leads near it ends without a look where its last step led.
 const NEAR: f64 = 1.0;
@@ -33,6 +32,9 @@ const COVARIANCE: f64 = 0.1;
 const SIGNIFICANT_DECREASE: f64 = 4.0e-6;
 /// Relative reduction of chi-square by an iteration, predicted or real, below which a fit with a far too large one stops.
 const TOO_SLOW: f64 = 1.0e-3;
+/// Damping of pose and momentum, in that of the other unknowns: from far away they follow a step whole, but a short one has to lower the
+/// cost, and with them undamped it does not.
+const FOLLOWING: f64 = 1.0e-6;
 /// Chi-square per row below which no other start is tried.
 const CLOSE_BELOW: f64 = 10.0;
 
@@ -203,10 +205,10 @@ impl Experiment<'_> {
         }
     }
 
-    /// A step that damps nuisances too: they are eliminated from the damped problem, not from the plain one. `None`
-    /// where there is nothing to damp.
+    /// A step that damps all unknowns: the nuisances, and pose and momentum of every segment (hardly), are eliminated from the damped
+    /// problem, not from the plain one. `None` where nothing is damped.
     ///
-    /// The unit of a nuisance is what shows as much in the readings as the largest mass property does in its own
+    /// The unit of what is eliminated is what shows as much in the readings as the largest mass property does in its own
     /// (Marquardt 1963 scales by the columns as well).
     fn step_of_all(
         &self,
@@ -214,28 +216,57 @@ impl Experiment<'_> {
         linearisation: &Linearisation,
         damping: f64,
     ) -> Option<Step<Iterate>> {
-        let shared = &linearisation.shared;
-        if damping <= 0.0 || !damping.is_finite() || shared.nuisances == 0 {
+        if damping <= 0.0 || !damping.is_finite() {
             return None;
         }
+        let plain = &linearisation.shared;
         let longest = self.longest_column(&linearisation.evaluated);
-        let lengths = shared.nuisance_lengths();
+        let lengths = plain.nuisance_lengths();
         let most = lengths.iter().fold(longest, |a, b| a.max(*b));
         let reference = if longest > 0.0 { longest } else { most };
-        let unit = |length: &f64| reference / length.max(f64::EPSILON * most);
-        let units: Vec<f64> = lengths.iter().map(unit).collect();
-        if units.iter().any(|u| !u.is_finite() || *u <= 0.0) {
-            return None;
-        }
-        let held = shared.damped(&units, damping);
-        let spectrum = Spectrum::within(&held.block(), None, &linearisation.spectrum).ok()?;
-        let (step, _) = mass_step(&at.x, linearisation, (&spectrum, &held.rhs()), damping);
+        let units = |lengths: Vec<f64>| -> Vec<f64> {
+            let most = lengths.iter().fold(most, |a, b| a.max(*b));
+            let unit = |length: &f64| reference / length.max(f64::EPSILON * most);
+            lengths.iter().map(unit).collect()
+        };
+        let start = |(one, unknown): (&Evaluated, &InitialStateColumns)| {
+            let of = |t: &Triangle| {
+                let units = units(triangle::lengths(&t.r, unknown.count()));
+                Triangle {
+                    r: damped(&t.r, &units, FOLLOWING * damping),
+                    rows: t.rows,
+                }
+            };
+            Evaluated {
+                triangle: one.triangle.as_ref().map(of),
+                ..Evaluated::default()
+            }
+        };
+        let pairs = linearisation.evaluated.iter().zip(&self.unknown);
+        let held: Vec<Evaluated> = pairs.clone().map(start).collect();
+        let mut shared = SharedTriangle::new(self.parameters, &self.stack(at, &held, true));
+        shared.hold(&self.largest_nuisances());
+        let shared = shared.damped(&units(lengths), damping);
+        let spectrum = Spectrum::within(&shared.block(), None, &linearisation.spectrum).ok()?;
+        let (step, _) = mass_step(&at.x, linearisation, (&spectrum, &shared.rhs()), damping);
         let natural = &spectrum.natural;
         let mass: Vec<f64> = step.iter().zip(natural).map(|(z, unit)| z * unit).collect();
-        let lowered = shared.lowered(&held.nuisances_for(&mass), &mass);
+        let nuisances = shared.nuisances_for(&mass);
+        let dx: Vec<f64> = mass.iter().chain(&nuisances).copied().collect();
+        let of_start =
+            |((one, unknown), held): ((&Evaluated, &InitialStateColumns), &Evaluated)| {
+                let (t, damped, h) = (
+                    one.triangle.as_ref()?,
+                    held.triangle.as_ref()?,
+                    unknown.count(),
+                );
+                let start = conditional_estimate(&damped.r, h, &dx).mean;
+                Some(lowered(&t.r, h, start.iter().chain(&dx)))
+            };
+        let of_starts: f64 = pairs.zip(&held).filter_map(of_start).sum();
         Some(Step {
-            to: moved(self, at, (&linearisation.evaluated, &held, natural), &step),
-            predicted_reduction: initial_state_decrease(self, linearisation) + lowered,
+            to: moved(self, at, (&held, &shared, natural), &step),
+            predicted_reduction: of_starts + plain.lowered(&nuisances, &mass),
             acceleration_ratio: 0.0,
         })
     }

@@ -78,45 +78,24 @@ impl SharedTriangle {
         Self::of_columns(parameters, stacked, kept, &[])
     }
 
-    /// The same with a damping of the nuisances, in units of which are given: `damping |b / unit|^2` is added.
+    /// The same with a damping of the nuisances, in units of which are given.
     pub fn damped(&self, units: &[f64], damping: f64) -> Self {
-        let mut more = BlockQr::new(self.r.ncols());
-        more.push(self.r.nrows(), |i, j| self.r[(i, j)]);
-        let root = damping.sqrt();
-        more.push(self.nuisances, |i, j| match i == j {
-            true => root / units[i],
-            false => 0.0,
-        });
         Self {
-            r: more.finish().r,
-            nuisances: self.nuisances,
-            mass: self.mass,
+            r: damped(&self.r, units, damping),
             held: self.held.clone(),
+            ..*self
         }
     }
 
     /// Length of the column of each nuisance.
     pub fn nuisance_lengths(&self) -> Vec<f64> {
-        let length = |j: usize| (0..=j).map(|i| self.r[(i, j)].powi(2)).sum::<f64>().sqrt();
-        (0..self.nuisances).map(length).collect()
+        lengths(&self.r, self.nuisances)
     }
 
     /// How much a step of nuisances and mass properties lowers the square of the right-hand side.
     pub fn lowered(&self, nuisances: &[f64], mass: &[f64]) -> f64 {
-        let n = self.nuisances + self.mass;
-        let step = || nuisances.iter().chain(mass);
-        (0..n)
-            .map(|i| {
-                let moved: f64 = step()
-                    .enumerate()
-                    .skip(i)
-                    .map(|(j, x)| self.r[(i, j)] * x)
-                    .sum();
-                let d = self.r[(i, n)];
-                // d^2 - (d - moved)^2, without the cancellation.
-                moved * (2.0 * d - moved)
-            })
-            .sum()
+        let step = nuisances.iter().chain(mass);
+        lowered(&self.r, self.nuisances + self.mass, step)
     }
 
     /// Triangle of the mass properties.
@@ -152,6 +131,40 @@ impl SharedTriangle {
         held.for_each(|i| r[(i, i)] = 0.0);
         conditional_estimate(&r, self.nuisances, mass).mean
     }
+}
+
+/// A triangle with a damping of its first columns, in units of which are given: `damping |x / unit|^2` is added.
+pub(super) fn damped(r: &Mat<f64>, units: &[f64], damping: f64) -> Mat<f64> {
+    let mut more = BlockQr::new(r.ncols());
+    more.push(r.nrows(), |i, j| r[(i, j)]);
+    let root = damping.sqrt();
+    more.push(units.len(), |i, j| match i == j {
+        true => root / units[i],
+        false => 0.0,
+    });
+    more.finish().r
+}
+
+/// Lengths of the first columns of a triangle.
+pub(super) fn lengths(r: &Mat<f64>, columns: usize) -> Vec<f64> {
+    let length = |j: usize| (0..=j).map(|i| r[(i, j)].powi(2)).sum::<f64>().sqrt();
+    (0..columns).map(length).collect()
+}
+
+/// How much a step of all columns lowers the square of the first rows of the right-hand side.
+pub(super) fn lowered<'s>(
+    r: &Mat<f64>,
+    rows: usize,
+    step: impl Iterator<Item = &'s f64> + Clone,
+) -> f64 {
+    let of = |i: usize| {
+        let moving = step.clone().enumerate().skip(i);
+        let moved: f64 = moving.map(|(j, x)| r[(i, j)] * x).sum();
+        let d = r[(i, r.ncols() - 1)];
+        // d^2 - (d - moved)^2, without the cancellation.
+        moved * (2.0 * d - moved)
+    };
+    (0..rows).map(of).sum()
 }
 
 /// Solution of the leading rows of a triangle, `R_hh h + R_hx x = d`, for h given x.
