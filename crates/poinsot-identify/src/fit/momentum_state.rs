@@ -15,8 +15,6 @@ use poinsot_solve::{End, LeastSquares, Linearised, Minimum, Spectrum, levenberg_
 
 /// Share of the cost that a full step may still promise where the cost is known well enough to contradict a model.
 const SETTLED: f64 = 1.0e-2;
-/// Reduction of chi-square that may be left where steps end in the differences of evaluations: a hundredth of a sigma.
-const NEAR: f64 = 1.0e-4;
 /// Share of chi-square that may be left where no step lowers it: round-off, not a failure.
 const NEGLIGIBLE_PROMISE: f64 = 1.0e-4;
 
@@ -127,6 +125,10 @@ fn fitted(
         None
     };
     let chi2 = (linearisation.evaluated.iter()).map(|e| e.chi2).sum();
+    let rows: usize = linearisation.evaluated.iter().map(|e| e.rows).sum();
+    // What an integration error may move the answer by, in sigmas of noise that explains the misfit.
+    let left = experiment.settings.integration.answer_sigmas;
+    let near = left.powi(2) * (here.cost / rows.max(1) as f64).max(1.0);
     Ok(Fitted {
         explains: experiment.expects(chi2, &linearisation.evaluated),
         held: held(experiment, &at, &linearisation),
@@ -142,7 +144,7 @@ fn fitted(
                 here.predicted_reduction < NEGLIGIBLE_PROMISE * here.cost.max(1.0)
             }
             // Evaluations that differ by more than round-off end near the minimum, not at it.
-            End::IterationLimit | End::TooSlow => here.predicted_reduction < NEAR,
+            End::IterationLimit | End::TooSlow => here.predicted_reduction < near,
         },
         settled,
         search: Search::Whole,

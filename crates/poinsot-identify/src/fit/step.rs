@@ -375,7 +375,7 @@ pub(crate) fn predicted_decrease(
     initial_state_decrease(experiment, linearisation) + shared.lowered_by_nuisances() + lowered
 }
 
-/// The part of pose and momentum, which are not damped.
+/// The part of pose and momentum, which follow whole.
 fn initial_state_decrease(experiment: &Experiment, linearisation: &Linearisation) -> f64 {
     linearisation
         .evaluated
