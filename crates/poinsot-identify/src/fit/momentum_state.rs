@@ -2,8 +2,7 @@
 //!
 //! Pose, momentum and biases are eliminated by the order of the columns, so each step is decided in the
 //! mass properties alone; the rest follows by back-substitution. Directions that the data leave open do
-//! not move. A damped step holds back what is wrong with the instruments as it does the mass
-//! properties: pose and momentum follow.
+//! not move. A damped step also damps what is eliminated.
 
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::step::{BoundaryBodies, Linearisation, held, linearised, moved, physical_bodies};
@@ -15,9 +14,6 @@ use poinsot_solve::{End, LeastSquares, Linearised, Minimum, Spectrum, levenberg_
 
 /// Share of the cost that a full step may still promise where the cost is known well enough to contradict a model.
 const SETTLED: f64 = 1.0e-2;
-/// Share of chi-square that may be left where no step lowers it: round-off, not a failure.
-const NEGLIGIBLE_PROMISE: f64 = 1.0e-4;
-
 /// Fits from near a point, where the bodies are physical, in at most `limit` iterations.
 pub(crate) fn fit_near(experiment: &Experiment, mut at: Iterate, limit: usize) -> Option<Fitted> {
     if let Some(bodies) = physical_bodies(experiment, experiment.parameters.mass_unknowns) {
@@ -126,9 +122,9 @@ fn fitted(
     };
     let chi2 = (linearisation.evaluated.iter()).map(|e| e.chi2).sum();
     let rows: usize = linearisation.evaluated.iter().map(|e| e.rows).sum();
-    // What an integration error may move the answer by, in sigmas of noise that explains the misfit.
+    // What an integration error may change the answer by, in sigmas widened by the misfit; and what a step ignores.
     let left = experiment.settings.integration.answer_sigmas;
-    let near = left.powi(2) * (here.cost / rows.max(1) as f64).max(1.0);
+    let near = left.powi(2) * (here.cost / rows.max(1) as f64).max(1.0) + here.slack;
     Ok(Fitted {
         explains: experiment.expects(chi2, &linearisation.evaluated),
         held: held(experiment, &at, &linearisation),
@@ -138,14 +134,8 @@ fn fitted(
         spectrum: linearisation.spectrum,
         data_alone,
         iterations,
-        converged: match end {
-            End::Converged => true,
-            End::NoLowerCost | End::RoundOff => {
-                here.predicted_reduction < NEGLIGIBLE_PROMISE * here.cost.max(1.0)
-            }
-            // Evaluations that differ by more than round-off end near the minimum, not at it.
-            End::IterationLimit | End::TooSlow => here.predicted_reduction < near,
-        },
+        // Steps end where evaluations differ by more than the steps lower the cost: near the minimum, not at it.
+        converged: end == End::Converged || here.predicted_reduction < near,
         settled,
         search: Search::Whole,
     })

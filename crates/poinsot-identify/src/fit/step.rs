@@ -32,8 +32,8 @@ const COVARIANCE: f64 = 0.1;
 const SIGNIFICANT_DECREASE: f64 = 4.0e-6;
 /// Relative reduction of chi-square by an iteration, predicted or real, below which a fit with a far too large one stops.
 const TOO_SLOW: f64 = 1.0e-3;
-/// Damping of pose and momentum, in that of the other unknowns: from far away they follow a step whole, but a short one has to lower the
-/// cost, and with them undamped it does not.
+/// Damping of pose and momentum relative to that of the other unknowns. Far from the minimum they must follow a step undamped (with 0.01
+/// the beginning of a fast spin is lost); with none at all a step does not shorten, and along a curved valley none lowers the cost.
 const FOLLOWING: f64 = 1.0e-6;
 /// Chi-square per row below which no other start is tried.
 const CLOSE_BELOW: f64 = 10.0;
@@ -205,8 +205,8 @@ impl Experiment<'_> {
         }
     }
 
-    /// A step that damps all unknowns: the nuisances, and pose and momentum of every segment (hardly), are eliminated from the damped
-    /// problem, not from the plain one. `None` where nothing is damped.
+    /// A step that damps all unknowns: the nuisances, and the pose and momentum of each segment, are eliminated from the damped problem.
+    /// `None` where nothing is damped.
     ///
     /// The unit of what is eliminated is what shows as much in the readings as the largest mass property does in its own
     /// (Marquardt 1963 scales by the columns as well).
@@ -216,14 +216,14 @@ impl Experiment<'_> {
         linearisation: &Linearisation,
         damping: f64,
     ) -> Option<Step<Iterate>> {
-        if damping <= 0.0 || !damping.is_finite() {
-            return None;
-        }
         let plain = &linearisation.shared;
         let longest = self.longest_column(&linearisation.evaluated);
         let lengths = plain.nuisance_lengths();
         let most = lengths.iter().fold(longest, |a, b| a.max(*b));
         let reference = if longest > 0.0 { longest } else { most };
+        if damping <= 0.0 || !damping.is_finite() || reference <= 0.0 || !most.is_finite() {
+            return None;
+        }
         let units = |lengths: Vec<f64>| -> Vec<f64> {
             let most = lengths.iter().fold(most, |a, b| a.max(*b));
             let unit = |length: &f64| reference / length.max(f64::EPSILON * most);
@@ -245,7 +245,7 @@ impl Experiment<'_> {
         let pairs = linearisation.evaluated.iter().zip(&self.unknown);
         let held: Vec<Evaluated> = pairs.clone().map(start).collect();
         let mut shared = SharedTriangle::new(self.parameters, &self.stack(at, &held, true));
-        shared.hold(&self.largest_nuisances());
+        shared.held.clone_from(&plain.held);
         let shared = shared.damped(&units(lengths), damping);
         let spectrum = Spectrum::within(&shared.block(), None, &linearisation.spectrum).ok()?;
         let (step, _) = mass_step(&at.x, linearisation, (&spectrum, &shared.rhs()), damping);
@@ -375,7 +375,7 @@ pub(crate) fn predicted_decrease(
     initial_state_decrease(experiment, linearisation) + shared.lowered_by_nuisances() + lowered
 }
 
-/// The part of pose and momentum, which follow whole.
+/// The part of pose and momentum.
 fn initial_state_decrease(experiment: &Experiment, linearisation: &Linearisation) -> f64 {
     linearisation
         .evaluated

@@ -14,7 +14,7 @@ pub(crate) struct SharedTriangle {
     /// Number of mass properties, spin inertias and thruster scales.
     pub mass: usize,
     /// Nuisances that do not move; none where the list is shorter.
-    held: Vec<bool>,
+    pub(super) held: Vec<bool>,
 }
 
 impl SharedTriangle {
