@@ -5,7 +5,7 @@ use crate::mover::{Command, Target};
 use crate::result::{Designed, REACHED};
 use crate::search::{Found, refine, search};
 use crate::shape::Space;
-use crate::trial::{Deadline, Question, Rows};
+use crate::trial::{Deadline, Question};
 use crate::verify::{check_flights, verify};
 use crate::watch::Watch;
 use crate::written::manoeuvre_text;
@@ -287,9 +287,7 @@ impl<'c> Asked<'c> {
         if !moves {
             return None;
         }
-        let flight = question
-            .fly(self.model, Rows::All, question.scenario.clone())
-            .ok()?;
+        let flight = question.fly(self.model, question.scenario.clone()).ok()?;
         let sigma = |i: usize| flight.covariance[(i, i)].sqrt();
         Some((0..self.wants.len()).map(sigma).collect())
     }
@@ -302,9 +300,8 @@ impl<'c> Asked<'c> {
         found: &mut Found,
     ) -> Result<(), Error> {
         question.vehicles = question.scenarios();
-        let rows = question.last_rows();
         let budget = self.design.evaluations / ROBUST_PART;
-        if let Some(better) = refine(question, (space, rows), &found.reached.x, budget) {
+        if let Some(better) = refine(question, space, &found.reached.x, budget) {
             found.reached = better;
         }
         self.leave_margins(question, space, &mut found.reached)
@@ -326,7 +323,7 @@ impl<'c> Asked<'c> {
             // Return the error of the simulation if the vehicle cannot fly even at rest.
             let rest = vec![0.0; space.len()];
             if let Some(scenario) = question.scenario(&space, &rest) {
-                question.fly(self.model, Rows::Share(1.0), scenario)?;
+                question.fly(self.model, scenario)?;
             }
             return Err(Error::usage(
                 "CASE",
@@ -394,8 +391,7 @@ impl<'c> Asked<'c> {
                 break;
             };
             let part = (self.design.evaluations / (TIME_PARTS * TIMES)).max(8 * longer.len());
-            let usual = (&longer, Rows::Share(1.0));
-            let Some(better) = refine(question, usual, &from, part) else {
+            let Some(better) = refine(question, &longer, &from, part) else {
                 break;
             };
             let is_enough = better.values.merit() <= -SURE;
@@ -470,8 +466,7 @@ impl<'c> Asked<'c> {
                 break;
             };
             let from = &nominal.found.reached.x;
-            let usual = (&space, Rows::Share(1.0));
-            let Some(reached) = refine(question, usual, from, part.max(8 * space.len())) else {
+            let Some(reached) = refine(question, &space, from, part.max(8 * space.len())) else {
                 break;
             };
             let time = space.duration.ln();

@@ -71,8 +71,7 @@ impl Asked<'_> {
             if question.watch.watched.is_empty() || !self.tightened(question, space, &reached.x)? {
                 break;
             }
-            let rows = question.last_rows();
-            let program = Program::last(question, space, rows);
+            let program = Program::last(question, space);
             let shorter = SHARES.map(|share| reached.x.iter().map(|x| share * x).collect());
             let part = match question.vehicles.is_empty() {
                 true => self.design.evaluations / ROUNDS,
@@ -83,7 +82,7 @@ impl Asked<'_> {
             let Some(from) = from.first().map(|search| &search.reached.x) else {
                 break;
             };
-            let Some(better) = refine(question, (space, rows), from, budget) else {
+            let Some(better) = refine(question, space, from, budget) else {
                 break;
             };
             *reached = better;
@@ -148,7 +147,7 @@ impl Asked<'_> {
         space: &Space,
         x: &[f64],
     ) -> Result<Vec<Nearest>, Error> {
-        let Some(scenario) = question.candidate((space, question.last_rows()), x) else {
+        let Some(scenario) = question.scenario(space, x) else {
             return Ok(Vec::new());
         };
         let mut case = self.case.clone();

@@ -3,7 +3,7 @@
 use crate::design::{Asked, FEW_STEPS};
 use crate::search::refine;
 use crate::shape::Space;
-use crate::trial::{Question, Rows};
+use crate::trial::Question;
 use poinsot::Error;
 use poinsot::case::{Limits, Objective};
 use poinsot_formats::{FrontPointFile, LimitUseFile, RelaxedFile};
@@ -145,7 +145,7 @@ impl Asked<'_> {
         question.critical.clone_from(&own.critical);
         let budget = FEW_STEPS * (space.len() + 2);
         let from = of_own.converted(from, &space);
-        let reached = refine(&question, (&space, Rows::Share(1.0)), &from, budget)?;
+        let reached = refine(&question, &space, &from, budget)?;
         (reached.values.broken() <= BROKEN).then(|| {
             let ratio = reached.values.worst().exp();
             (ratio, space.converted(&reached.x, of_own))

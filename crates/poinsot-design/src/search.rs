@@ -2,7 +2,7 @@
 //! from the best one (Wales and Doye 1997, basin hopping), which keep part of what makes it good.
 
 use crate::shape::Space;
-use crate::trial::{Program, Question, Rows};
+use crate::trial::{Program, Question};
 use poinsot_solve::{Minimax, MinimaxOptions, MinimaxSearch, Reached, Values, minimax};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -10,46 +10,31 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 /// Random manoeuvres for each start of the search.
-const RANDOM: usize = 24;
+const RANDOM: usize = 50;
 /// Steps before the worse half of the starts is dropped, and before a hop is judged.
 const FIRST_STEPS: usize = 6;
 /// Steps of the last remaining start; more than any search has made.
 const LAST_STEPS: usize = 500;
-/// Length of a hop, standard deviation of each free number. Shorter ones fall back, longer ones are as good as new starts.
-const HOP: f64 = 0.8;
+/// Lengths of hops in turn, standard deviation of each free number: a short one is soon followed to its end, a long one reaches
+/// other manoeuvres.
+const HOPS: [f64; 2] = [0.3, 0.8];
 /// Manoeuvres tried at the end of a hop; the best is followed.
 const HOP_POINTS: usize = 8;
+/// The best start is followed while a step lowers the logarithm of the ratio by more, before the hops from it.
+const START_TOLERANCE: f64 = 0.001;
 /// A hop is followed while a step lowers the logarithm of the ratio by more (1 %).
 const HOP_TOLERANCE: f64 = 0.01;
 /// A hop is dropped that after its first steps is worse than the best by more, and by half of it after twice as many.
 const HOPELESS: f64 = 0.3;
-/// The last steps of a search that has minimised nearly the same function, and of one that has not.
-const SAME: LastSteps = LastSteps {
-    each: 8,
-    share: 8,
-    ends: 2,
-};
-const OTHER: LastSteps = LastSteps {
-    each: 16,
-    share: 4,
-    ends: 4,
-};
+/// Evaluations for each free number that are kept for the last steps, and the largest share of all.
+const LAST_EACH: usize = 8;
+const LAST_SHARE: usize = 8;
 /// Fraction of the limits that random manoeuvres use.
 const STRETCH: f64 = 0.97;
 /// The search stops when a step lowers the logarithm of the ratio by less.
 const TOLERANCE: f64 = 1.0e-5;
 /// First trust region, in free numbers.
 const DELTA: f64 = 0.3;
-
-/// What is kept for the last steps.
-struct LastSteps {
-    /// Evaluations for each free number.
-    each: usize,
-    /// Divisor of all evaluations: no more than this part.
-    share: usize,
-    /// Ends of the search from which steps are made.
-    ends: usize,
-}
 
 /// The best manoeuvre of a search.
 #[derive(Debug, Clone)]
@@ -70,44 +55,47 @@ pub fn search(
 ) -> Option<Found> {
     let program = Program::new(question, space);
     let mut rng = ChaCha8Rng::seed_from_u64(question.design.seed);
-    let last = last_steps(question);
-    let polish = (last.each * space.len()).min(evaluations / last.share);
-    let mut left = evaluations.saturating_sub(polish);
+    let last = (LAST_EACH * space.len()).min(evaluations / LAST_SHARE);
+    let mut left = evaluations.saturating_sub(last);
     let starts = begun(&program, &mut rng, given.to_vec(), &mut left);
     if starts.first()?.reached.values.merit() <= enough {
         return found(starts);
     }
-    let mut best = halved(&program, starts, &mut left)?;
-    let mut ends = vec![best.reached.x.clone()];
-    let is_enough = |best: &Found| best.reached.values.merit() <= enough;
-    while left > HOP_POINTS + 2 * space.len() && !program.stop() && !is_enough(&best) {
-        let Some(hopped) = hop(&program, &mut rng, &best.reached, &mut left) else {
+    let (mut best, mut ends) = halved(&program, starts, &mut left)?;
+    let merit = |s: &MinimaxSearch| s.reached.values.merit();
+    while left > HOP_POINTS + 2 * space.len() && !program.stop() && merit(&best) > enough {
+        let length = HOPS[ends.len() % HOPS.len()];
+        let from = (&best.reached, length);
+        let Some(hopped) = hop(&program, &mut rng, from, &mut left) else {
             break;
         };
-        best.starts.push(hopped.values.worst());
-        ends.push(hopped.x.clone());
-        if hopped.values.merit() < best.reached.values.merit() {
-            best.reached = hopped;
+        ends.push(hopped.reached.values.worst());
+        if merit(&hopped) < merit(&best) {
+            best = hopped;
         }
     }
-    if is_enough(&best) {
-        return Some(best);
+    if merit(&best) > enough {
+        let program = Program::last(question, space);
+        // A hop settles earlier.
+        best.reached.settled = false;
+        best.advance(&program, &space.polytope, options(last + left, LAST_STEPS));
     }
-    if let Some(polished) = polished(&program, ends, &best.reached.x, polish + left) {
-        best.reached = polished;
-    }
-    Some(best)
+    let reached = best.reached;
+    Some(Found {
+        reached,
+        starts: ends,
+    })
 }
 
 /// A hop from the best manoeuvre: the best of some manoeuvres around it, followed while it may become better.
 fn hop(
     program: &Program,
     rng: &mut ChaCha8Rng,
-    best: &Reached,
+    (best, length): (&Reached, f64),
     left: &mut usize,
-) -> Option<Reached> {
+) -> Option<MinimaxSearch> {
     let mut normal = || -> f64 { StandardNormal.sample(rng) };
-    let around = |_| best.x.iter().map(|x| x + HOP * normal()).collect();
+    let around = |_| best.x.iter().map(|x| x + length * normal()).collect();
     let pool: Vec<Vec<f64>> = (0..HOP_POINTS).map(around).collect();
     let inside = pool.into_iter().map(|x| program.space.drawn_inside(x));
     let mut search = evaluated(program, inside.collect(), left)
@@ -127,30 +115,7 @@ fn hop(
             break;
         }
     }
-    Some(search.reached)
-}
-
-/// The last steps, on more rows, of those ends of the search that are best there; nothing where all are worse than `best`.
-fn polished(
-    program: &Program,
-    ends: Vec<Vec<f64>>,
-    best: &[f64],
-    mut left: usize,
-) -> Option<Reached> {
-    let question = program.question;
-    let fine = Program::last(question, program.space, question.last_rows());
-    let worst = fine.values(&[best.to_vec()]).pop()??.merit();
-    let mut searches = evaluated(&fine, ends, &mut left);
-    searches.truncate(last_steps(program.question).ends);
-    let reached = halved(&fine, searches, &mut left)?.reached;
-    (reached.values.merit() <= worst).then_some(reached)
-}
-
-fn last_steps(question: &Question) -> LastSteps {
-    match question.last_rows() {
-        Rows::Share(_) => SAME,
-        Rows::All => OTHER,
-    }
+    Some(search)
 }
 
 /// The first of the searches, and where each of them stands.
@@ -160,14 +125,21 @@ fn found(searches: Vec<MinimaxSearch>) -> Option<Found> {
     Some(Found { reached, starts })
 }
 
-/// A few steps of each search, the worse half dropped, until one is left.
-fn halved(program: &Program, mut ends: Vec<MinimaxSearch>, left: &mut usize) -> Option<Found> {
+/// A few steps of each search, the worse half dropped, until one is left; beside it, the objective of each after its first steps.
+fn halved(
+    program: &Program,
+    mut ends: Vec<MinimaxSearch>,
+    left: &mut usize,
+) -> Option<(MinimaxSearch, Vec<f64>)> {
     let merit = |s: &MinimaxSearch| s.reached.values.merit();
     let mut starts = Vec::new();
     while !ends.is_empty() {
         let is_last = ends.len() == 1;
         let steps = if is_last { LAST_STEPS } else { FIRST_STEPS };
-        let share = options(*left / ends.len(), steps);
+        let share = MinimaxOptions {
+            tolerance: START_TOLERANCE,
+            ..options(*left / ends.len(), steps)
+        };
         let spent: usize = ends
             .par_iter_mut()
             .map(|search| {
@@ -186,8 +158,7 @@ fn halved(program: &Program, mut ends: Vec<MinimaxSearch>, left: &mut usize) -> 
         }
         ends.truncate(ends.len().div_ceil(2));
     }
-    let reached = ends.into_iter().next()?.reached;
-    Some(Found { reached, starts })
+    Some((ends.into_iter().next()?, starts))
 }
 
 /// Starting points: the best of many random manoeuvres, and always those given.
@@ -227,11 +198,11 @@ pub fn evaluated(program: &Program, pool: Vec<Vec<f64>>, left: &mut usize) -> Ve
 /// Continues from one manoeuvre in a slightly changed space.
 pub fn refine(
     question: &Question,
-    (space, rows): (&Space, Rows),
+    space: &Space,
     from: &[f64],
     evaluations: usize,
 ) -> Option<Reached> {
-    let program = Program::last(question, space, rows);
+    let program = Program::last(question, space);
     let from = space.drawn_inside(from.to_vec());
     minimax(
         &program,

@@ -29,8 +29,6 @@ const SCENARIOS: u64 = 64;
 /// Number of other vehicles by which a robust design is judged, and their first random stream.
 const OTHERS: u64 = 1000;
 const OTHERS_STREAM: u64 = 1 << 34;
-/// Share of the usual rows in the last steps, for vehicles without wheels.
-const POLISH_ROWS: f64 = 3.0;
 /// Fraction of the worst scenarios whose mean a robust design minimises.
 const TAIL: f64 = 0.1;
 
@@ -52,7 +50,7 @@ pub struct Question {
     pub margins: Vec<f64>,
     /// Vehicles of the prior that exceed a watched limit first. Each must hold it in every candidate.
     pub critical: Vec<Critical>,
-    /// What the whole prediction adds to each objective of a candidate with a share of the rows.
+    /// What the whole prediction adds to each objective of a candidate.
     pub surcharge: Vec<f64>,
     /// Vehicles whose worst tenth is the objective; empty if it is the nominal vehicle.
     pub vehicles: Vec<Model>,
@@ -91,16 +89,6 @@ pub struct Critical {
     pub number: u64,
     /// Index of the limit.
     pub limit: usize,
-}
-
-/// The rows of a candidate.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Rows {
-    /// A share of those that tell nearly all, each with the weight of the rows of the case that it replaces, and one motion
-    /// of the wheels between them.
-    Share(f64),
-    /// Those of the case, with what the choice of the motion of the wheels between them adds: the whole prediction.
-    All,
 }
 
 /// Result of one flight.
@@ -146,19 +134,12 @@ impl Question {
         })
     }
 
-    /// The scenario with these free numbers, on the usual rows.
+    /// The scenario with these free numbers, on the rows of a candidate.
     pub fn scenario(&self, space: &Space, x: &[f64]) -> Option<Scenario> {
-        self.candidate((space, Rows::Share(1.0)), x)
-    }
-
-    /// The same with these rows.
-    pub fn candidate(&self, (space, rows): (&Space, Rows), x: &[f64]) -> Option<Scenario> {
         let mut scenario = self.scenario.clone();
         let mut case = self.case.clone();
         case.duration_s = space.record();
-        if let Rows::Share(share) = rows {
-            case.rate_hz /= thinned((&case, space.duration), &self.model, &self.design, share);
-        }
+        case.rate_hz /= thinned((&case, space.duration), &self.model, &self.design);
         scenario.times = case.times();
         space.place(x, &mut scenario)?;
         Some(scenario)
@@ -168,7 +149,7 @@ impl Question {
     ///
     /// # Errors
     /// The motion cannot be computed, or a required sensor is missing.
-    pub fn fly(&self, model: &Model, rows: Rows, scenario: Scenario) -> Result<Flight, Error> {
+    pub fn fly(&self, model: &Model, scenario: Scenario) -> Result<Flight, Error> {
         let mut course = Course::default();
         // Each row has the weight of the rows of the case that it replaces.
         let step = match (scenario.times.get(0), scenario.times.get(1)) {
@@ -183,10 +164,7 @@ impl Question {
         let bound = bind(model, &tree, &[exact.table])?;
         let problem = bound.problem(model, &tree);
         let priors = self.design.priors;
-        let information = match rows {
-            Rows::Share(_) => Information::roughly(&problem, priors, thinned)?,
-            Rows::All => Information::of_either_wheel_motion(&problem, priors)?,
-        };
+        let information = Information::roughly(&problem, priors, thinned)?;
         let terms: Vec<Vec<WantedTerm>> = self.wants.iter().map(|w| w.terms.clone()).collect();
         Ok(Flight {
             covariance: information.covariance(&terms),
@@ -208,7 +186,7 @@ impl Question {
     }
 
     /// Objectives of a covariance.
-    pub fn objectives(&self, covariance: &DMatrix<f64>, rows: Rows) -> Vec<f64> {
+    pub fn objectives(&self, covariance: &DMatrix<f64>) -> Vec<f64> {
         let wanted = |i: usize| self.wants[i].sigma;
         if self.design.objective == Objective::LogDet {
             let n = self.wants.len();
@@ -219,19 +197,15 @@ impl Question {
                 .map_or(f64::INFINITY, |c| c.ln_determinant());
             return vec![0.5 * log / n as f64];
         }
-        let surcharge = |i: usize| match rows {
-            Rows::Share(_) => self.surcharge[i],
-            Rows::All => 0.0,
-        };
-        let of = |i: usize| 0.5 * covariance[(i, i)].ln() - wanted(i).ln() + surcharge(i);
+        let of = |i: usize| 0.5 * covariance[(i, i)].ln() - wanted(i).ln() + self.surcharge[i];
         (0..self.wants.len()).map(of).collect()
     }
 
     /// Worst tenth of these vehicles: mean of the logarithm of their largest ratios; `None` if one cannot fly.
-    fn over(&self, vehicles: &[Model], rows: Rows, scenario: &Scenario) -> Option<f64> {
+    fn over(&self, vehicles: &[Model], scenario: &Scenario) -> Option<f64> {
         let one = |m: &Model| {
-            let flight = self.fly(m, rows, scenario.clone()).ok()?;
-            let worst = self.objectives(&flight.covariance, rows);
+            let flight = self.fly(m, scenario.clone()).ok()?;
+            let worst = self.objectives(&flight.covariance);
             Some(worst.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b)))
         };
         let all: Option<Vec<f64>> = vehicles.par_iter().map(one).collect();
@@ -248,27 +222,17 @@ impl Question {
     pub fn over_others(&self, space: &Space, x: &[f64]) -> Option<f64> {
         let one = |k| drawn(&self.model, self.design.seed, OTHERS_STREAM + k);
         let others: Vec<Model> = (0..OTHERS).map(one).collect();
-        let rows = Rows::Share(1.0);
-        self.over(&others, rows, &self.candidate((space, rows), x)?)
-    }
-
-    /// Rows of the last steps. What the choice of the motion of wheels between samples adds depends on all of them.
-    pub fn last_rows(&self) -> Rows {
-        match (self.vehicles.is_empty(), self.model.wheels.is_empty()) {
-            (false, _) => Rows::Share(1.0),
-            (true, true) => Rows::Share(POLISH_ROWS),
-            (true, false) => Rows::All,
-        }
+        self.over(&others, &self.scenario(space, x)?)
     }
 
     /// Objectives and limits of the minimax program at these free numbers.
-    pub fn values(&self, (space, rows): (&Space, Rows), x: &[f64]) -> Option<Values> {
+    pub fn values(&self, space: &Space, x: &[f64]) -> Option<Values> {
         self.evaluations.fetch_add(1, Ordering::Relaxed);
-        let scenario = self.candidate((space, rows), x)?;
-        let flight = self.fly(&self.model, rows, scenario.clone()).ok()?;
-        let mut objectives = self.objectives(&flight.covariance, rows);
+        let scenario = self.scenario(space, x)?;
+        let flight = self.fly(&self.model, scenario.clone()).ok()?;
+        let mut objectives = self.objectives(&flight.covariance);
         if !self.vehicles.is_empty() {
-            objectives = vec![self.over(&self.vehicles, rows, &scenario)?];
+            objectives = vec![self.over(&self.vehicles, &scenario)?];
         }
         let mut limits = flight.course.windows(&self.watch);
         for critical in &self.critical {
@@ -286,11 +250,11 @@ impl Question {
     }
 }
 
-/// Number of rows of the case per row of a candidate with this share of the usual rows. All rows are used with correlated
-/// noise, where the information does not scale with the number of rows.
-fn thinned((case, duration): (&Case, f64), model: &Model, design: &Design, share: f64) -> f64 {
+/// Number of rows of the case per row of a candidate. All rows are used where the information does not scale with the number of
+/// rows: with correlated noise, and with wheels, whose motion between samples is not told.
+fn thinned((case, duration): (&Case, f64), model: &Model, design: &Design) -> f64 {
     let remembers = model.sensors.iter().any(|s| !s.slow.is_empty());
-    if remembers || model.environment.random_torque.is_some() {
+    if remembers || model.environment.random_torque.is_some() || !model.wheels.is_empty() {
         return 1.0;
     }
     let moved = design.joints.iter().chain(&design.wheels);
@@ -305,7 +269,7 @@ fn thinned((case, duration): (&Case, f64), model: &Model, design: &Design, share
     });
     let firings = design.thrusters.iter().map(|t| t.firings as f64);
     let rows = LEAST_ROWS.max(ROWS_A_CYCLE * cycles.chain(firings).fold(0.0, f64::max));
-    (duration * case.rate_hz / (share * rows)).floor().max(1.0)
+    (duration * case.rate_hz / rows).floor().max(1.0)
 }
 
 /// Mean of the worst fraction: conditional value at risk (Rockafellar and Uryasev 2000).
@@ -324,27 +288,23 @@ pub struct Program<'q> {
     pub question: &'q Question,
     /// The free numbers.
     pub space: &'q Space,
-    /// Rows of a candidate.
-    pub rows: Rows,
     /// Time at which it stops.
     pub until: Option<Instant>,
 }
 
 impl<'q> Program<'q> {
-    /// With the usual number of rows, until the time for hops is over.
+    /// Until the time for hops is over.
     pub fn new(question: &'q Question, space: &'q Space) -> Self {
         Self {
             question,
             space,
-            rows: Rows::Share(1.0),
             until: question.deadline.map(|d| d.of_hops),
         }
     }
 
-    /// The last steps, on these rows.
-    pub fn last(question: &'q Question, space: &'q Space, rows: Rows) -> Self {
+    /// The last steps.
+    pub fn last(question: &'q Question, space: &'q Space) -> Self {
         Self {
-            rows,
             until: question.deadline.map(|d| d.of_all),
             ..Self::new(question, space)
         }
@@ -355,7 +315,7 @@ impl Minimax for Program<'_> {
     fn values(&self, points: &[Vec<f64>]) -> Vec<Option<Values>> {
         let one = |x: &Vec<f64>| match self.stop() {
             true => None,
-            false => self.question.values((self.space, self.rows), x),
+            false => self.question.values(self.space, x),
         };
         points.par_iter().map(one).collect()
     }

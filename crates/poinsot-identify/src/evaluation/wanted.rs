@@ -3,13 +3,14 @@
 
 use crate::fit::alternatives::OtherWheelMotion;
 use crate::fit::experiment::Experiment;
+use crate::fit::step::linearised;
 use crate::problem::parameters::Parameters;
 use crate::problem::quantity::mass_property;
 use crate::problem::refusal::no_motion;
 use crate::problem::{Problem, ProblemError};
 use faer::Mat;
 use nalgebra::{DMatrix, DVector};
-use poinsot_solve::{BlockQr, LeastSquares};
+use poinsot_solve::BlockQr;
 
 /// Sigma in natural units that stands for "not identifiable": large enough to leave identifiable numbers unchanged, and
 /// finite, so that a search can rank manoeuvres.
@@ -45,7 +46,8 @@ pub struct Information {
 }
 
 impl Information {
-    /// Evaluates the experiment once. `with_priors`: declared priors of mass properties count.
+    /// Evaluates the experiment, with what it adds that such measurements can hardly tell what the wheels do between samples.
+    /// `with_priors`: declared priors of mass properties count.
     ///
     /// # Errors
     /// The model or the data are not valid for the method.
@@ -54,7 +56,8 @@ impl Information {
     }
 
     /// The same to the third digit of a sigma, in a quarter of the integration steps: for a search that evaluates
-    /// thousands and ends with the whole. Each sample stands for `weight` samples.
+    /// thousands and ends with the whole. Each sample stands for `weight` samples: one where wheels turn, since what they do between
+    /// samples depends on how far these are apart.
     ///
     /// # Errors
     /// As [`Information::of`].
@@ -82,32 +85,17 @@ impl Information {
         let evaluated = evaluated.ok_or_else(no_motion)?;
         let stacked = experiment.stack(&point, &evaluated, with_priors);
         let r = with_vague_rows(&stacked.r, &parameters);
+        let held = problem.assumes_wheel_motion();
+        let held = held.then(|| linearised(&experiment, &point, evaluated));
+        let other = held
+            .transpose()?
+            .and_then(|held| OtherWheelMotion::expected(&experiment, &point, &held));
         Ok(Self {
             r,
             x: point.x,
             parameters,
-            other: None,
-            weight,
-        })
-    }
-
-    /// The same with what it adds that such measurements can hardly tell what the wheels do between samples.
-    ///
-    /// # Errors
-    /// As [`Information::of`].
-    pub fn of_either_wheel_motion(
-        problem: &Problem,
-        with_priors: bool,
-    ) -> Result<Self, ProblemError> {
-        let information = Self::of(problem, with_priors)?;
-        let experiment = Experiment::new(problem, &information.parameters);
-        let at = experiment.nominal_point();
-        let held = problem.assumes_wheel_motion();
-        let held = held.then(|| experiment.linearise(&at)).flatten();
-        let other = held.and_then(|held| OtherWheelMotion::expected(&experiment, &at, &held));
-        Ok(Self {
             other,
-            ..information
+            weight,
         })
     }
 

@@ -1,6 +1,6 @@
 //! The step of the minimax search: a quadratic program of linearised functions within the sides that it can reach.
 
-use super::{PRICE, Reached, Values};
+use super::{PRICE, Values};
 use crate::polytope::{Polytope, Side};
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
@@ -30,6 +30,20 @@ impl Jacobian {
         Self {
             objectives: next(&self.objectives, &before.objectives, &after.objectives),
             limits: next(&self.limits, &before.limits, &after.limits),
+        }
+    }
+}
+
+impl Jacobian {
+    /// Values at the end of a step without the change that the Jacobian tells.
+    pub fn without(&self, d: &DVector<f64>, after: &Values) -> Values {
+        let less = |J: &DMatrix<f64>, after: &[f64]| {
+            let told = J * d;
+            after.iter().zip(&told).map(|(a, t)| a - t).collect()
+        };
+        Values {
+            objectives: less(&self.objectives, &after.objectives),
+            limits: less(&self.limits, &after.limits),
         }
     }
 }
@@ -104,15 +118,15 @@ fn near_sides<'p>(polytope: &'p Polytope, x: &[f64], delta: f64) -> Vec<Near<'p>
 /// The step of the linearised functions. Only few of many sides are active, so rows are added until the step violates
 /// none.
 pub fn quadratic(
-    at: &Reached,
+    (x, values): (&[f64], &Values),
     slopes: &Jacobian,
     B: &DMatrix<f64>,
     polytope: &Polytope,
     delta: f64,
 ) -> Option<Step> {
-    let mut sides = near_sides(polytope, &at.x, delta);
+    let mut sides = near_sides(polytope, x, delta);
     loop {
-        let step = solved(at, slopes, B, &sides, delta)?;
+        let step = solved(values, slopes, B, &sides, delta)?;
         let mut holds = true;
         for near in sides.iter_mut().filter(|near| !near.is_row) {
             near.is_row = near.excess(step.d.as_slice()) > 0.0;
@@ -125,26 +139,26 @@ pub fn quadratic(
 }
 
 fn solved(
-    at: &Reached,
+    values: &Values,
     slopes: &Jacobian,
     B: &DMatrix<f64>,
     sides: &[Near],
     delta: f64,
 ) -> Option<Step> {
-    let n = at.x.len();
+    let n = B.nrows();
     let (t, s) = (n, n + 1);
     let mut rows = Rows::default();
-    for (i, f) in at.values.objectives.iter().enumerate() {
+    for (i, f) in values.objectives.iter().enumerate() {
         let slope = slopes.objectives.row(i);
         rows.push(slope.iter().copied().enumerate().chain([(t, -1.0)]), -f);
     }
-    let near: Vec<usize> = (0..at.values.limits.len())
-        .filter(|j| at.values.limits[*j] > FAR)
+    let near: Vec<usize> = (0..values.limits.len())
+        .filter(|j| values.limits[*j] > FAR)
         .collect();
     for &j in &near {
         let slope = slopes.limits.row(j);
         let row = slope.iter().copied().enumerate().chain([(s, -1.0)]);
-        rows.push(row, -at.values.limits[j]);
+        rows.push(row, -values.limits[j]);
     }
     rows.push([(s, -1.0)], 0.0);
     for j in 0..n {
@@ -178,8 +192,8 @@ fn solved(
         return None;
     }
     let (x, z) = (&solver.solution.x, &solver.solution.z);
-    let objectives = at.values.objectives.len();
-    let mut limits = DVector::zeros(at.values.limits.len());
+    let objectives = values.objectives.len();
+    let mut limits = DVector::zeros(values.limits.len());
     for (row, &j) in near.iter().enumerate() {
         limits[j] = z[objectives + row];
     }
