@@ -41,7 +41,7 @@ const SURE: f64 = 0.01;
 const PREDICTIONS: usize = 8;
 const SHORTENED: usize = 4;
 /// Divisor of the evaluations of a robust design, each of which flies all its vehicles.
-pub(crate) const ROBUST_PART: usize = 16;
+pub(crate) const ROBUST_PART: usize = 64;
 
 /// Commands, firings, and the manoeuvre as the text of a case.
 type Written = (Vec<(String, Command)>, Vec<(String, Firing)>, String);
@@ -300,7 +300,8 @@ impl<'c> Asked<'c> {
         found: &mut Found,
     ) -> Result<(), Error> {
         question.vehicles = question.scenarios();
-        let budget = self.design.evaluations / ROBUST_PART;
+        let few = FEW_STEPS * (space.len() + 2);
+        let budget = (self.design.evaluations / ROBUST_PART).max(few);
         if let Some(better) = refine(question, space, &found.reached.x, budget) {
             found.reached = better;
         }

@@ -61,15 +61,15 @@ pub fn search(
     if starts.first()?.reached.values.merit() <= enough {
         return found(starts);
     }
-    let (mut best, mut ends) = halved(&program, starts, &mut left)?;
+    let (mut best, mut starts) = halved(&program, starts, &mut left)?;
     let merit = |s: &MinimaxSearch| s.reached.values.merit();
     while left > HOP_POINTS + 2 * space.len() && !program.stop() && merit(&best) > enough {
-        let length = HOPS[ends.len() % HOPS.len()];
+        let length = HOPS[starts.len() % HOPS.len()];
         let from = (&best.reached, length);
         let Some(hopped) = hop(&program, &mut rng, from, &mut left) else {
             break;
         };
-        ends.push(hopped.reached.values.worst());
+        starts.push(hopped.reached.values.worst());
         if merit(&hopped) < merit(&best) {
             best = hopped;
         }
@@ -81,10 +81,7 @@ pub fn search(
         best.advance(&program, &space.polytope, options(last + left, LAST_STEPS));
     }
     let reached = best.reached;
-    Some(Found {
-        reached,
-        starts: ends,
-    })
+    Some(Found { reached, starts })
 }
 
 /// A hop from the best manoeuvre: the best of some manoeuvres around it, followed while it may become better.

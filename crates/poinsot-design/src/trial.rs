@@ -24,8 +24,9 @@ const ROWS_A_CYCLE: f64 = 14.0;
 const LEAST_ROWS: f64 = 52.0;
 /// Share of the time of a search until which it hops; the rest is for its last steps and for the vehicles of the prior.
 const HOPPING: f64 = 0.75;
-/// Number of vehicles of the prior in a robust design.
-const SCENARIOS: u64 = 64;
+/// Number of vehicles of the prior in a robust design: its worst tenth are more than the free numbers of most manoeuvres, which
+/// would else suit these vehicles alone.
+const SCENARIOS: u64 = 256;
 /// Number of other vehicles by which a robust design is judged, and their first random stream.
 const OTHERS: u64 = 1000;
 const OTHERS_STREAM: u64 = 1 << 34;

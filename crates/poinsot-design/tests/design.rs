@@ -216,7 +216,7 @@ fn prop_vehicles_of_the_prior_hold_the_limits_that_depend_on_them() {
 fn stat_a_robust_design_is_better_than_the_nominal_one_for_vehicles_that_it_has_not_seen() {
     let search = "evaluations = 2400\nrobust = true";
     let (case, mut model) = searched("body_rate_rad_s = 0.04", 1.0e-3, search);
-    model.bodies[0].prior.as_mut().unwrap().inertia = Some(0.6);
+    model.bodies[0].prior.as_mut().unwrap().inertia = Some(0.3);
     let found = designed(&case, &model);
     let file = &found.file;
     let searched = file.robust_log_ratio.unwrap();
@@ -224,8 +224,8 @@ fn stat_a_robust_design_is_better_than_the_nominal_one_for_vehicles_that_it_has_
     let nominal = file.nominal_log_ratio_others.unwrap();
     println!("searched {searched:.3}, others {others:.3}, nominal {nominal:.3}");
     assert!(others < nominal, "{others} {nominal}");
-    // 64 vehicles of the search, of which the worst six count, stand for a thousand others.
-    assert!((others - searched).abs() < 0.2, "{others} {searched}");
+    // The vehicles of the search stand for a thousand others.
+    assert!((others - searched).abs() < 0.1, "{others} {searched}");
 }
 
 #[test]

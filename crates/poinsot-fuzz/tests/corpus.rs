@@ -9,7 +9,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Time limit of a single small input.
-const LONGEST: Duration = Duration::from_secs(30);
+const LONGEST: Duration = Duration::from_secs(10);
 /// Problems of drawn bytes, and bytes of each: enough for a vehicle and its record.
 const DRAWN: u64 = 60;
 const BYTES: usize = 4096;

@@ -5,10 +5,10 @@
 //!
 //! `min t + mu s + d^T B d / 2`, `f_i + J_i d <= t`, `g_j + G_j d <= s`, `s >= 0`, `x + d` in the polytope, `|d| <= delta`
 //!
-//! with damped BFGS for B. Where the functions bend so much that a step gains less than half of its promise, the program is solved
-//! again with their values at its end (second-order correction, section 18.3). The linear limits hold at every evaluated point. The Jacobians begin as finite differences and
-//! follow the steps by Broyden's update (1965), which costs nothing; differences are taken again where they explain a
-//! step badly, and before the search ends.
+//! with damped BFGS for B. Where the functions bend so much that a step gains less than half of its promise, the program is
+//! solved again with their values at its end (second-order correction, section 18.3). The linear limits hold at every
+//! evaluated point. The Jacobians begin as finite differences and follow the steps by Broyden's update (1965), which costs
+//! nothing; differences are taken again where they explain a step badly, and before the search ends.
 
 mod quadratic;
 
@@ -179,7 +179,7 @@ impl MinimaxSearch {
         let mut delta = self.delta.unwrap_or(options.delta);
         for _ in 0..options.steps {
             let used = self.reached.evaluations - before;
-            if self.reached.settled || program.stop() || used + n + 1 > options.evaluations {
+            if self.reached.settled || program.stop() || used + n + 2 > options.evaluations {
                 break;
             }
             if self.slopes.is_none() {

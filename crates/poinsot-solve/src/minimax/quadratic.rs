@@ -32,9 +32,7 @@ impl Jacobian {
             limits: next(&self.limits, &before.limits, &after.limits),
         }
     }
-}
 
-impl Jacobian {
     /// Values at the end of a step without the change that the Jacobian tells.
     pub fn without(&self, d: &DVector<f64>, after: &Values) -> Values {
         let less = |J: &DMatrix<f64>, after: &[f64]| {
