@@ -26,7 +26,7 @@ use std::sync::atomic::Ordering;
 pub(crate) const FEW_STEPS: usize = 8;
 /// Largest number of durations tried for the shortest one.
 const TIMES: usize = 12;
-/// Divisor of the evaluations when the shortest duration is sought: two searches, and two bisections of the duration.
+/// Divisor of the evaluations when the shortest duration is sought: one part is kept for the bisections of the duration.
 const TIME_PARTS: usize = 4;
 /// Relative accuracy of the shortest duration.
 const TIME_LEFT: f64 = 0.01;
@@ -315,10 +315,11 @@ impl<'c> Asked<'c> {
             true => vec![own],
             false => Vec::new(),
         };
-        // The first manoeuvre that reaches everything is the start of shorter ones.
+        // The first manoeuvre that reaches everything is the start of shorter ones; part of the evaluations is kept for these.
+        let all = self.design.evaluations;
         let part = match self.design.objective {
-            Objective::ShortestTime => (self.design.evaluations / TIME_PARTS, -SURE),
-            _ => (self.design.evaluations, f64::NEG_INFINITY),
+            Objective::ShortestTime => (all - all / TIME_PARTS, -SURE),
+            _ => (all, f64::NEG_INFINITY),
         };
         let Some(found) = search(question, &space, &given, part) else {
             // Return the error of the simulation if the vehicle cannot fly even at rest.
@@ -346,8 +347,9 @@ impl<'c> Asked<'c> {
             });
             if reaches {
                 let spent = question.evaluations.load(Ordering::Relaxed);
+                let again = (2 * all / TIME_PARTS).saturating_sub(spent);
                 self.shorten(question, &mut nominal);
-                self.search_again(question, &mut nominal, (2 * part.0).saturating_sub(spent));
+                self.search_again(question, &mut nominal, again);
                 self.as_predicted(question, &mut nominal)?;
             }
         }
@@ -453,14 +455,17 @@ impl<'c> Asked<'c> {
             let next = match short {
                 None => expected(long),
                 Some(short) => {
-                    let share = (short.1 / (short.1 - long.1)).clamp(0.1, 0.9);
+                    let share = (short.1 / (short.1 - long.1)).clamp(0.25, 0.75);
                     short.0 + share * (long.0 - short.0)
                 }
             };
-            if short.is_some_and(|s| long.0 - s.0 < TIME_LEFT) {
+            // Whole samples: at least one less than the longer.
+            let one_less = nominal.space.duration - 1.0 / self.case.rate_hz;
+            let duration = rounded_up(next.exp(), self.case.rate_hz).min(one_less);
+            let is_left = |s: (f64, f64)| long.0 - s.0 >= TIME_LEFT && duration.ln() > s.0;
+            if duration <= 0.0 || !short.is_none_or(is_left) {
                 break;
             }
-            let duration = rounded_up(next.exp(), self.case.rate_hz);
             let Ok(space) = self.space(&self.limits, duration) else {
                 // So short a manoeuvre does not exist.
                 short = short.or(Some((duration.ln(), f64::INFINITY)));

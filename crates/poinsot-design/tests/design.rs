@@ -524,6 +524,23 @@ fn prop_minutes_end_a_search_with_the_best_manoeuvre_so_far() {
 }
 
 /// However early the search for the shortest manoeuvre is stopped, an unshortened one is not called the shortest.
+/// The secant rule alone stalls where the sigmas fall unevenly with the duration, and where it is rounded to whole samples.
+#[test]
+fn prop_the_shortest_time_is_bracketed_within_a_hundredth_or_a_sample() {
+    for relative in [0.5e-4, 1.0e-4, 2.0e-4, 5.0e-4] {
+        let search = "objective = \"shortest_time\"\nevaluations = 1200";
+        let (case, mut model) = searched("body_rate_rad_s = 0.04", relative, search);
+        model.bodies[0].prior = None;
+        let file = designed(&case, &model).file;
+        let missed = file.shorter.unwrap().missed_s.unwrap();
+        let between = file.duration_s - missed;
+        println!("{relative}: {} s, {missed} s do not", file.duration_s);
+        assert_eq!(file.verdict, "reached");
+        let close = between <= 0.01 * file.duration_s || between <= 1.001 / case.rate_hz;
+        assert!(close, "{missed} s do not, {} s do", file.duration_s);
+    }
+}
+
 #[test]
 fn prop_a_search_that_is_stopped_says_which_shorter_manoeuvres_it_tried() {
     let (case, model) = changed("stsat3_design.toml", "seed = 1\n", "seed = 1\nstarts = 2\n");
