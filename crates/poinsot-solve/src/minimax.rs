@@ -179,7 +179,7 @@ impl MinimaxSearch {
         let mut delta = self.delta.unwrap_or(options.delta);
         for _ in 0..options.steps {
             let used = self.reached.evaluations - before;
-            if self.reached.settled || program.stop() || used + n + 2 > options.evaluations {
+            if self.reached.settled || program.stop() || used + n + 1 > options.evaluations {
                 break;
             }
             if self.slopes.is_none() {
