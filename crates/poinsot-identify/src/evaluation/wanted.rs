@@ -1,7 +1,7 @@
 //! Sigmas of a few numbers of one experiment, without a full answer: a search over manoeuvres evaluates them thousands
 //! of times.
 
-use crate::fit::alternatives::OtherWheelMotion;
+use crate::fit::alternatives::{OtherWheelMotion, with_smooth_wheels};
 use crate::fit::experiment::Experiment;
 use crate::fit::step::linearised;
 use crate::problem::parameters::Parameters;
@@ -11,6 +11,7 @@ use crate::problem::{Problem, ProblemError};
 use faer::Mat;
 use nalgebra::{DMatrix, DVector};
 use poinsot_solve::BlockQr;
+use poinsot_solve::LeastSquares;
 
 /// Sigma in natural units that stands for "not identifiable": large enough to leave identifiable numbers unchanged, and
 /// finite, so that a search can rank manoeuvres.
@@ -85,11 +86,13 @@ impl Information {
         let evaluated = evaluated.ok_or_else(no_motion)?;
         let stacked = experiment.stack(&point, &evaluated, with_priors);
         let r = with_vague_rows(&stacked.r, &parameters);
-        let held = problem.assumes_wheel_motion();
-        let held = held.then(|| linearised(&experiment, &point, evaluated));
-        let other = held
-            .transpose()?
-            .and_then(|held| OtherWheelMotion::expected(&experiment, &point, &held));
+        let smooth = with_smooth_wheels(&experiment).and_then(|e| e.linearise(&point));
+        let expected = |smooth| -> Result<OtherWheelMotion, ProblemError> {
+            let held = linearised(&experiment, &point, evaluated)?;
+            let there = (&experiment, &point);
+            Ok(OtherWheelMotion::expected(there, &held, &smooth))
+        };
+        let other = smooth.map(expected).transpose()?;
         Ok(Self {
             r,
             x: point.x,

@@ -58,26 +58,21 @@ impl OtherWheelMotion {
     }
 
     /// What a prediction expects of the choice: measurements without noise, of a vehicle with these unknowns. The difference
-    /// of -2 ln L of noisy ones then scatters about its value D here with a sigma of 2 sqrt(D). `held` is the experiment there,
-    /// with constant torques of the wheels.
+    /// of -2 ln L of noisy ones then scatters about its value D here with a sigma of 2 sqrt(D). `held` is the experiment there
+    /// with constant torques of the wheels, `smooth` with smooth speeds.
     pub fn expected(
-        experiment: &Experiment,
-        at: &Iterate,
+        (experiment, at): (&Experiment, &Iterate),
         held: &Linearised<Linearisation>,
-    ) -> Option<Self> {
-        if !experiment.problem.assumes_wheel_motion() {
-            return None;
-        }
-        let smooth = experiment.alternative.with(BetweenSamples::Smooth);
-        let smooth = experiment.under(smooth).linearise(at)?;
-        let difference = least(held) - least(&smooth);
+        smooth: &Linearised<Linearisation>,
+    ) -> Self {
+        let difference = least(held) - least(smooth);
         let far = (0.5 * difference.abs().sqrt()).min(f64::MAX);
-        let [a, b] = [held, &smooth].map(|h| step(experiment, at, &h.rows));
-        Some(Self {
+        let [a, b] = [held, smooth].map(|h| step(experiment, at, &h.rows));
+        Self {
             probability: Normal::standard().cdf(-far),
             step: a.iter().zip(&b).map(|(a, b)| a - b).collect(),
             ..Self::default()
-        })
+        }
     }
 
     /// What the choice adds to the covariance of two numbers, of which these are the changes along the step.
@@ -146,12 +141,10 @@ impl<'a> AlternativeFit<'a> {
     /// The better of the fits with constant torque, which this is, and with smooth speeds. The difference of both answers shows
     /// whether the wheels are sampled often enough.
     pub fn or_smooth_wheels(mut self) -> Self {
-        if !self.experiment.problem.assumes_wheel_motion() {
+        let Some(smooth) = with_smooth_wheels(&self.experiment) else {
             return self;
-        }
+        };
         let cost = self.cost();
-        let alternative = self.experiment.alternative;
-        let smooth = (self.experiment).under(alternative.with(BetweenSamples::Smooth));
         // One linearisation at the end of the first shows whether the second can be better.
         let there = smooth.linearise(&self.fitted.at);
         let converged = there.as_ref().filter(|_| self.fitted.converged);
@@ -341,6 +334,12 @@ fn step(experiment: &Experiment, at: &Iterate, there: &Linearisation) -> Vec<f64
     let mass = there.spectrum.damped(&there.shared.rhs(), 0.0);
     let end = moved(experiment, at, there.parts(), &mass);
     end.x.iter().zip(&at.x).map(|(a, b)| a - b).collect()
+}
+
+/// The experiment with smooth wheel speeds; `None` where no wheel motion is assumed.
+pub(crate) fn with_smooth_wheels<'a>(experiment: &Experiment<'a>) -> Option<Experiment<'a>> {
+    let smooth = experiment.alternative.with(BetweenSamples::Smooth);
+    (experiment.problem.assumes_wheel_motion()).then(|| experiment.under(smooth))
 }
 
 /// Change of the answer if sparsely sampled wheels have smooth instead of linear speeds between samples.

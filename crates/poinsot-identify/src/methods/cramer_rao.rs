@@ -2,7 +2,7 @@
 
 use crate::answer;
 use crate::diagnosis::Diagnostics;
-use crate::fit::alternatives::{OtherWheelMotion, better_rest_motion};
+use crate::fit::alternatives::{OtherWheelMotion, better_rest_motion, with_smooth_wheels};
 use crate::fit::experiment::Experiment;
 use crate::fit::fit_on;
 use crate::fit::known_numbers::known_at;
@@ -71,29 +71,39 @@ fn bound(problem: &Problem, knowledge: Knowledge) -> Result<Estimate, ProblemErr
         experiment = experiment.resting(share);
         here = experiment.linearise(&at).ok_or_else(no_motion)?;
     }
-    let (other, known) = match knowledge {
-        Knowledge::Exact => (None, None),
-        Knowledge::Declared => (
-            OtherWheelMotion::expected(&experiment, &at, &here),
-            known_at(&experiment, &at),
-        ),
-    };
+    let declared = knowledge == Knowledge::Declared;
+    let smooth = declared.then(|| with_smooth_wheels(&experiment)).flatten();
+    let mut other = None;
+    if let Some(smooth) = smooth
+        && let Some(there) = smooth.linearise(&at)
+    {
+        other = Some(OtherWheelMotion::expected(
+            (&experiment, &at),
+            &here,
+            &there,
+        ));
+        if there.cost < here.cost {
+            (experiment, here) = (smooth, there);
+        }
+    }
+    let known = declared.then(|| known_at(&experiment, &at)).flatten();
     let at_truth = fit_on(&experiment, at, here, 0).ok_or_else(no_motion)?;
     let wide = known.as_ref().map(|k| k.experiment(&experiment));
-    let (experiment, mut at_truth) = match (&wide, &known) {
+    let (experiment, at_truth) = match (&wide, &known) {
         (Some(wide), Some(known)) => (wide, known.fitted.clone()),
         _ => (&experiment, at_truth),
     };
-    at_truth.converged = true;
+    let mut ideal = at_truth.clone();
+    ideal.converged = true;
     // A bound has no misfit: interpolation errors of wheel motion are not noise.
-    for segment in &mut at_truth.evaluated {
+    for segment in &mut ideal.evaluated {
         segment.chi2 = 0.0;
         segment.cost = 0.0;
         segment.channels.clear();
     }
     let explained = (!proportional(problem)).then_some(1.0);
-    let mut solution = conclude(experiment, &at_truth, explained, Diagnostics::default());
-    if knowledge == Knowledge::Declared {
+    let mut solution = conclude(experiment, &ideal, explained, Diagnostics::default());
+    if declared {
         solution.spectrum = profiled(experiment, &at_truth, solution.spectrum).0;
     }
     solution.method = "cramer_rao";

@@ -52,6 +52,7 @@ mod passive_joints;
 mod physical;
 mod point_sensors;
 mod points;
+mod promises;
 mod propellant;
 mod pyramid;
 mod random_torque;
