@@ -69,12 +69,9 @@ fn of_posterior(
     unit: &mut dyn FnMut() -> f64,
 ) -> Option<Vec<Body>> {
     let n = posterior.numbers.len();
-    let covariance = DMatrix::from_fn(n, n, |i, j| posterior.covariance[i][j]);
+    let covariance = DMatrix::from_fn(n, n, |i, j| posterior.between(i, j));
     let white = DVector::from_fn(n, |_, _| unit());
-    let mut shift = covariance.cholesky()?.l() * white;
-    for known in &posterior.known {
-        shift += DVector::from_column_slice(&known.slopes) * (known.sigma * unit());
-    }
+    let shift = covariance.cholesky()?.l() * white;
     let mut bodies = vehicle.bodies.clone();
     for body in &mut bodies {
         let places = addresses(&body.name).map(|name| posterior.place(&name));

@@ -304,6 +304,9 @@ pub struct KnownNumbersFile {
     /// Uncertain known numbers that affect the measurements, largest share of a variance first.
     #[serde(default)]
     pub sensitivities: Vec<SensitivityFile>,
+    /// Covariance of those numbers after the data, in their order and units; empty in files of earlier versions.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub covariance: Vec<Vec<Option<f64>>>,
 }
 
 /// Effect of one known number on the answer.

@@ -8,13 +8,13 @@
 ///
 /// let spin_inertia = PosteriorKnown {
 ///     address: "rw1.spin_inertia_kg_m2".to_owned(),
-///     sigma: 1.0e-5,
 ///     slopes: vec![2.0e3],
 /// };
 /// let posterior = Posterior {
 ///     numbers: vec!["bus.inertia_kg_m2.xx".to_owned()],
 ///     covariance: vec![vec![1.0e-4]],
 ///     known: vec![spin_inertia],
+///     known_covariance: vec![vec![1.0e-10]],
 /// };
 /// // The error of the spin inertia adds (2e3 * 1e-5)^2.
 /// assert!((posterior.between(0, 0) - 5.0e-4).abs() < 1.0e-12);
@@ -27,6 +27,8 @@ pub struct Posterior {
     pub covariance: Vec<Vec<f64>>,
     /// Known numbers, whose errors are the same in the earlier records and in the next one.
     pub known: Vec<PosteriorKnown>,
+    /// Covariance of these after the earlier records, in their units.
+    pub known_covariance: Vec<Vec<f64>>,
 }
 
 /// A known number on which an earlier answer depends.
@@ -34,8 +36,6 @@ pub struct Posterior {
 pub struct PosteriorKnown {
     /// Its address: `rw1.spin_inertia_kg_m2`.
     pub address: String,
-    /// One sigma after the earlier records, in its unit.
-    pub sigma: f64,
     /// Change of each number of the answer with it, in SI.
     pub slopes: Vec<f64>,
 }
@@ -48,8 +48,17 @@ impl Posterior {
 
     /// Covariance of two numbers, errors of known numbers included.
     pub fn between(&self, one: usize, other: usize) -> f64 {
-        let of_known = |k: &PosteriorKnown| k.sigma * k.sigma * k.slopes[one] * k.slopes[other];
-        self.covariance[one][other] + self.known.iter().map(of_known).sum::<f64>()
+        self.covariance[one][other] + self.of_known(one, other)
+    }
+
+    /// What known numbers add to the covariance of two numbers.
+    pub fn of_known(&self, one: usize, other: usize) -> f64 {
+        let rows = self.known.iter().zip(&self.known_covariance);
+        let row = |(a, row): (&PosteriorKnown, &Vec<f64>)| {
+            let terms = self.known.iter().zip(row).map(|(b, c)| c * b.slopes[other]);
+            a.slopes[one] * terms.sum::<f64>()
+        };
+        rows.map(row).sum()
     }
 
     /// The numbers that are kept alone, with exact known numbers.
@@ -60,7 +69,7 @@ impl Posterior {
         Self {
             numbers: places.iter().map(|k| self.numbers[*k].clone()).collect(),
             covariance: places.iter().map(row).collect(),
-            known: Vec::new(),
+            ..Self::default()
         }
     }
 }

@@ -191,6 +191,11 @@ pub(crate) fn known_numbers(e: &Estimate) -> KnownNumbersFile {
                 variance_share: named(&n.shares),
             })
             .collect(),
+        covariance: known
+            .covariance
+            .iter()
+            .map(|row| finite_list(row))
+            .collect(),
     }
 }
 

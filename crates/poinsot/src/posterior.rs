@@ -117,55 +117,81 @@ fn posterior(model: &Model, answer: &EstimateFile) -> Posterior {
     let numbers: Vec<String> = of.names.iter().filter(has_variance).cloned().collect();
     let n = numbers.len();
     let whole = |i: usize, j: usize| of.between(&numbers[i], &numbers[j]).unwrap_or(0.0);
-    let known = known(model, answer, &numbers);
+    let (known, known_covariance) = known(model, answer, &numbers);
+    let mut told = Posterior {
+        known,
+        known_covariance,
+        ..Posterior::default()
+    };
     let sigmas: Vec<f64> = (0..n).map(|k| whole(k, k).sqrt()).collect();
     let stated = |(name, sigma): (&String, &f64)| {
         let data = answer.known_numbers.sigma_data.get(name);
         data.copied()
-            .filter(|_| !known.is_empty())
+            .filter(|_| !told.known.is_empty())
             .unwrap_or(*sigma)
     };
     let of_data: Vec<f64> = numbers.iter().zip(&sigmas).map(stated).collect();
-    let correlation = DMatrix::from_fn(n, n, |i, j| {
-        let of_known = |k: &PosteriorKnown| k.sigma * k.sigma * k.slopes[i] * k.slopes[j];
-        let common: f64 = known.iter().map(of_known).sum();
-        (whole(i, j) - common) / (sigmas[i] * sigmas[j])
-    });
-    let eigen = SymmetricEigen::new(correlation);
+    let own = |i: usize, j: usize| whole(i, j) - told.of_known(i, j);
+    told.covariance = positive(&of_data, |i, j| own(i, j) / (sigmas[i] * sigmas[j]));
+    told.numbers = numbers;
+    told
+}
+
+/// A positive definite covariance with these sigmas and correlations, which round-off may have left without one.
+fn positive(sigmas: &[f64], correlation: impl Fn(usize, usize) -> f64) -> Vec<Vec<f64>> {
+    let n = sigmas.len();
+    if n == 0 {
+        return Vec::new();
+    }
+    let eigen = SymmetricEigen::new(DMatrix::from_fn(n, n, correlation));
     let values = DMatrix::from_diagonal(&eigen.eigenvalues.map(|v| v.max(LEAST)));
     let positive = &eigen.eigenvectors * values * eigen.eigenvectors.transpose();
-    let root = |k: usize| of_data[k] / positive[(k, k)].sqrt();
+    let root = |k: usize| sigmas[k] / positive[(k, k)].sqrt();
     let row = |i| {
         (0..n)
             .map(|j| positive[(i, j)] * root(i) * root(j))
             .collect()
     };
-    Posterior {
-        covariance: (0..n).map(row).collect(),
-        numbers,
-        known,
-    }
+    (0..n).map(row).collect()
 }
 
-/// The known numbers on which an answer depends.
-fn known(model: &Model, answer: &EstimateFile, numbers: &[String]) -> Vec<PosteriorKnown> {
-    let mut all = Vec::new();
+/// The known numbers on which an answer depends, and their covariance.
+fn known(
+    model: &Model,
+    answer: &EstimateFile,
+    numbers: &[String],
+) -> (Vec<PosteriorKnown>, Vec<Vec<f64>>) {
+    let (mut all, mut places) = (Vec::new(), Vec::new());
+    let told = &answer.known_numbers;
     for uncertain in model.uncertain() {
         let number = uncertain.number;
         for component in 0..number.components() {
             let at = address(&number.name(model, component), number.unit());
-            let told = &answer.known_numbers.sensitivities;
-            let Some(own) = told.iter().find(|s| s.number == at) else {
+            let Some(k) = told.sensitivities.iter().position(|s| s.number == at) else {
                 continue;
             };
             let step = number.round_step(model, component).size;
-            let slope = |name: &String| own.change.get(name).map_or(0.0, |c| c / step);
+            let change = &told.sensitivities[k].change;
+            let slope = |name: &String| change.get(name).map_or(0.0, |c| c / step);
             all.push(PosteriorKnown {
                 address: at,
-                sigma: own.estimate_sigma.unwrap_or(own.sigma),
                 slopes: numbers.iter().map(slope).collect(),
             });
+            places.push(k);
         }
     }
-    all
+    let between = |i: usize, j: usize| {
+        let row = told.covariance.get(i);
+        row.and_then(|row| *row.get(j)?).unwrap_or_else(|| {
+            // A file of an earlier version has sigmas alone.
+            let own = &told.sensitivities[i];
+            let sigma = own.estimate_sigma.unwrap_or(own.sigma);
+            if i == j { sigma * sigma } else { 0.0 }
+        })
+    };
+    let sigmas: Vec<f64> = places.iter().map(|k| between(*k, *k).sqrt()).collect();
+    let covariance = positive(&sigmas, |i, j| {
+        between(places[i], places[j]) / (sigmas[i] * sigmas[j])
+    });
+    (all, covariance)
 }

@@ -27,6 +27,7 @@ pub(crate) fn known_numbers(model: &Model, solution: &Solution, rows: &[Row]) ->
     let sigma = |row: &Row| known.exact.sigma(&row.gradient).filter(|_| asked(row));
     out.sigma_data = rows.iter().map(sigma).collect();
     let totals: Vec<f64> = rows.iter().map(|row| sigma_of_row(solution, row)).collect();
+    let mut effects: Vec<(usize, KnownEffect)> = Vec::new();
     for (k, place) in known.places.iter().enumerate() {
         let unknown = &solution.parameters.unknowns[*place];
         let Some(number) = unknown.kind.known() else {
@@ -44,7 +45,7 @@ pub(crate) fn known_numbers(model: &Model, solution: &Solution, rows: &[Row]) ->
             let whole = total * total * known.covariance[(k, k)];
             (asked(row) && whole > 0.0).then(|| together * together / whole)
         };
-        out.effects.push(KnownEffect {
+        let effect = KnownEffect {
             name: unknown.name.clone(),
             unit: unknown.unit,
             value: unknown.nominal,
@@ -56,10 +57,19 @@ pub(crate) fn known_numbers(model: &Model, solution: &Solution, rows: &[Row]) ->
             step_words: step.words,
             changes: rows.iter().map(change).collect(),
             shares: rows.iter().zip(&totals).map(share).collect(),
-        });
+        };
+        effects.push((k, effect));
     }
-    let size = |e: &KnownEffect| e.largest().map_or(0.0, |l| l.1);
-    out.effects.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    let size = |e: &(usize, KnownEffect)| e.1.largest().map_or(0.0, |l| l.1);
+    effects.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    let row = |(i, _): &(usize, _)| {
+        effects
+            .iter()
+            .map(|(j, _)| known.covariance[(*i, *j)])
+            .collect()
+    };
+    out.covariance = effects.iter().map(row).collect();
+    out.effects = effects.into_iter().map(|(_, effect)| effect).collect();
     out
 }
 

@@ -19,7 +19,7 @@ use crate::problem::parameters::{KnownUnknown, Parameters, Unknown, UnknownKind}
 use crate::problem::prior::{Conflict, LEAST_SHARE, PriorTest};
 use nalgebra::{DMatrix, DVector};
 use poinsot_formats::address;
-use poinsot_model::{Model, PosteriorKnown, rounded};
+use poinsot_model::{Model, rounded};
 
 /// Effect of one sigma of a number on all predictions together, in their noise, below which it is left out.
 pub(crate) const SILENT: f64 = 1.0e-3;
@@ -134,10 +134,12 @@ fn behind(at: &Iterate, all: &[Unknown]) -> Iterate {
     }
 }
 
-/// A known number on which an earlier answer depends.
-fn told<'m>(model: &'m Model, name: &str, unit: &str) -> Option<&'m PosteriorKnown> {
-    let mut all = model.knowledge.posterior.iter().flat_map(|p| &p.known);
-    all.find(|k| k.address == address(name, unit))
+/// The place of a known number among those on which an earlier answer depends, and its covariances with these.
+fn told(model: &Model, name: &str, unit: &str) -> Option<(usize, Vec<f64>)> {
+    let posterior = model.knowledge.posterior.as_ref()?;
+    let at = address(name, unit);
+    let place = posterior.known.iter().position(|k| k.address == at)?;
+    Some((place, posterior.known_covariance[place].clone()))
 }
 
 /// Uncertain known numbers as unknowns.
@@ -149,7 +151,8 @@ fn unknowns(model: &Model) -> Vec<Unknown> {
             let name = number.name(model, component);
             let declared = || number.absolute(model, component, uncertain.sigma);
             let earlier = told(model, &name, number.unit());
-            let sigma = earlier.map_or_else(declared, |k| k.sigma);
+            let variance = earlier.as_ref().map(|(place, row)| row[*place]);
+            let sigma = variance.map_or_else(declared, f64::sqrt);
             if sigma.is_nan() || sigma <= 0.0 {
                 continue;
             }
@@ -158,6 +161,7 @@ fn unknowns(model: &Model) -> Vec<Unknown> {
                 component,
                 sigma,
                 correlation: model.knowledge.correlation(number),
+                told: earlier,
                 slopes: Vec::new(),
             };
             all.push(Unknown {

@@ -318,6 +318,8 @@ pub struct KnownNumbers {
     pub sigma_data: Vec<Option<f64>>,
     /// Uncertain known numbers on which the readings depend, the largest share first.
     pub effects: Vec<KnownEffect>,
+    /// Their covariance after the data, in the order of the effects and in their units.
+    pub covariance: Vec<Vec<f64>>,
 }
 
 /// Effect of one known number on the answer.

@@ -21,6 +21,9 @@ impl Parameters {
         let kind = |known: &KnownUnknown| std::mem::discriminant(&known.number);
         DMatrix::from_fn(all.len(), all.len(), |i, j| {
             let ((a, own), (b, other)) = (all[i], all[j]);
+            if let (Some((_, row)), Some((at, _))) = (&a.told, &b.told) {
+                return row[*at];
+            }
             let correlation = match i == j {
                 true => 1.0,
                 false if kind(a) == kind(b) && own == other => a.correlation,

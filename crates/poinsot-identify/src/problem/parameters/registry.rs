@@ -135,6 +135,8 @@ pub struct KnownUnknown {
     pub sigma: f64,
     /// Correlation of its error with that of another number of its kind with the same value.
     pub correlation: f64,
+    /// Its place among the known numbers of an earlier answer, and its covariances with these.
+    pub told: Option<(usize, Vec<f64>)>,
     /// Slope of the barycentric parameters: index `10 body + k` and slope.
     pub slopes: Vec<(usize, f64)>,
 }
