@@ -4,12 +4,15 @@ use crate::band::{Band, BandedFile};
 use crate::check::contradiction;
 use crate::read::ResultFile;
 use indexmap::IndexMap;
-use poinsot_files::Fault;
+use poinsot_files::{Fault, significant};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::fmt;
 
 /// Name and version of the format.
 pub const CAMPAIGN: &str = "poinsot.campaign/2";
+/// Half-width of a 95 % interval, sigmas.
+const INTERVAL: f64 = 1.96;
 
 /// Statistics of the trials of a plan.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -146,12 +149,68 @@ impl MethodResultFile {
         list
     }
 
+    /// What the trials say of the stated uncertainty.
+    pub fn calibration(&self) -> Calibration {
+        let trials = self.numbers.values().map(|n| n.trials).min();
+        Calibration {
+            missed: self.misses.len(),
+            trials: trials.unwrap_or(self.trials),
+        }
+    }
+
     /// Largest relative difference between predicted sigma and observed spread, with its number.
     pub fn worst_prediction(&self) -> Option<(&str, f64)> {
         let ratio = |(name, n): (_, &NumberResultFile)| Some((name, n.spread()? / n.bound? - 1.0));
         let all = self.numbers.iter().map(|(name, n)| (name.as_str(), n));
         all.filter_map(ratio)
             .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+    }
+}
+
+/// What trials say of the stated uncertainty, and how well they could tell.
+///
+/// ```
+/// use poinsot_formats::Calibration;
+///
+/// let few = Calibration { missed: 0, trials: 30 };
+/// assert!(!few.is_resolved());
+/// let words = "30 trials: coverage is consistent with 95 % within +-7.8 %, errors with their bound within +-25 %";
+/// assert_eq!(few.to_string(), words);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Calibration {
+    /// Statistics that miss a limit.
+    pub missed: usize,
+    /// Trials of the number that fewest determined.
+    pub trials: u64,
+}
+
+impl Calibration {
+    /// Half-width of a 95 % interval of a coverage of 95 %, and of an error over its bound.
+    fn resolved(self) -> [f64; 2] {
+        let n = self.trials.max(1) as f64;
+        [(0.95_f64 * 0.05 / n).sqrt(), (0.5 / n).sqrt()].map(|sigma| INTERVAL * sigma)
+    }
+
+    /// Whether so many trials tell apart what is calibrated and what is not: coverage to 1 %, errors to 5 %.
+    pub fn is_resolved(self) -> bool {
+        let [coverage, error] = self.resolved();
+        coverage <= 0.01 && error <= 0.05
+    }
+}
+
+impl fmt::Display for Calibration {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [coverage, error] = self.resolved().map(|half| significant(100.0 * half, 2));
+        write!(f, "{} trials: ", self.trials)?;
+        match self.missed {
+            0 => write!(
+                f,
+                "coverage is consistent with 95 % within +-{coverage} %, errors with their bound within +-{error} %"
+            ),
+            1 => write!(f, "1 statistic misses its limit"),
+            n => write!(f, "{n} statistics miss their limits"),
+        }
     }
 }
 

@@ -64,15 +64,15 @@ pub use address::{Address, address, element, unknown_name};
 pub use band::{Band, BandedFile};
 pub use body::{BarycentricFile, BodyFile, MassFile, PrincipalFile};
 pub use campaign::{
-    CAMPAIGN, CampaignCost, CampaignFile, CellFile, MethodResultFile, NumberResultFile,
+    CAMPAIGN, Calibration, CampaignCost, CampaignFile, CellFile, MethodResultFile, NumberResultFile,
 };
 pub use check::contradictions;
 pub use comparison::{
     COMPARISON, ComparedAnswerFile, ComparedNumberFile, ComparisonFile, DIFFER_BELOW, JointTestFile,
 };
 pub use design::{
-    DESIGN, DesignFile, DesignVerificationFile, DesignedNumberFile, FrontPointFile, LimitUseFile,
-    RelaxedFile, SearchFile, ShorterFile, VerifiedNumberFile,
+    ACTIVE, DESIGN, DesignFile, DesignVerificationFile, DesignedNumberFile, FrontPointFile,
+    LimitUseFile, RelaxedFile, SearchFile, ShorterFile, VerifiedNumberFile,
 };
 pub use diagnostics::{
     ChannelFile, DiagnosticsFile, DriftFile, FindingFile, HeldOutFile, LagFile, LineFile,

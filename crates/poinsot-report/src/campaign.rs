@@ -10,6 +10,8 @@ use poinsot_formats::{
 
 /// Numbers of trials with a reported cost, in addition to the plan's.
 const PRICED: [u64; 2] = [1_000_000, 1_000_000_000];
+/// What trials do with known numbers.
+pub(crate) const ABOUT_KNOWN: &str = "Trials and bound take the known numbers of the model as exact; an answer states them within the uncertainty that the model declares";
 /// Largest number of cells times methods with separate tables.
 const DETAILED: usize = 3;
 
@@ -54,6 +56,7 @@ pub fn table_document(result: &CampaignFile) -> Document {
     let of = |(c, m)| context! { of => label(result, c, m), ..Value::from_serialize(m) };
     let context = context! {
         headline => headline(result),
+        about_known => ABOUT_KNOWN,
         methods => all().map(of).collect::<Vec<_>>(),
         failures => all().flat_map(|(_, m)| &m.failures).take(1).collect::<Vec<_>>(),
     };
@@ -114,6 +117,8 @@ pub fn statistics_document(title: &str, m: &MethodResultFile) -> Document {
         coverage => [coverage.low, coverage.high],
         bias => Band::of_bias(n).high,
         worst => m.worst_prediction(),
+        calibration => m.calibration().to_string(),
+        resolved => m.calibration().is_resolved(),
         failure_count => m.failure_count(),
         ..Value::from_serialize(m)
     };

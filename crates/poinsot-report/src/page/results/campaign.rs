@@ -1,13 +1,15 @@
 //! The result of a campaign as a page.
 
-use super::asked;
-use crate::campaign::{headline, table_document};
+use super::light;
+use crate::campaign::{ABOUT_KNOWN, headline, table_document};
 use indexmap::{IndexMap, IndexSet};
 use poinsot_figures::{
     Axis, Figure, Light, Mark, Opening, Page, PageError, Part, Plot, Series, Tone,
 };
 use poinsot_files::short;
-use poinsot_formats::{BandedFile, CampaignFile, CellFile, NumberResultFile};
+use poinsot_formats::{
+    BandedFile, Calibration, CampaignFile, CellFile, MethodResultFile, NumberResultFile,
+};
 
 /// Largest number of separate figures.
 const FIGURES: usize = 12;
@@ -22,7 +24,7 @@ const FIGURES: usize = 12;
 ///
 /// let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/campaign.json"));
 /// let campaign: CampaignFile = serde_json::from_str(text)?;
-/// assert!(poinsot_report::campaign_page(&campaign)?.html()?.contains("Complete"));
+/// assert!(poinsot_report::campaign_page(&campaign)?.html()?.contains("are the stated uncertainties right?"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn campaign_page(result: &CampaignFile) -> Result<Page, PageError> {
@@ -31,16 +33,19 @@ pub fn campaign_page(result: &CampaignFile) -> Result<Page, PageError> {
         None => fixed(result),
     };
     let complete = result.missing.is_empty() && result.trials >= result.planned;
-    let (tone, word) = match complete {
-        true => (Tone::Good, "Complete"),
-        false => (Tone::Fair, "Incomplete"),
+    let worst = worst(result);
+    let (tone, word) = match worst {
+        _ if !complete => (Tone::Fair, "Incomplete"),
+        Some(w) if w.missed > 0 => (Tone::Bad, "Not calibrated"),
+        Some(w) if w.is_resolved() => (Tone::Good, "Calibrated"),
+        _ => (Tone::Good, "Consistent"),
     };
     let opening = Opening {
         tone,
         word: word.to_owned(),
-        sentence: headline(result),
+        sentence: worst.map(|w| format!("{w}.")).unwrap_or_default(),
         action: (!complete).then(|| "Run the missing shards with --resume.".to_owned()),
-        lights: vec![held(result)],
+        lights: lights(result),
         beside: Figure::page(figures.get(..1).unwrap_or_default())?,
     };
     let body = Figure::page(&figures)?;
@@ -52,21 +57,51 @@ pub fn campaign_page(result: &CampaignFile) -> Result<Page, PageError> {
     let tables = Part::of_sections("tables", "Tables", &result.about, &tables)?;
     let digest = result.digest.get(..12).unwrap_or_default();
     Ok(Page {
-        title: format!("Campaign {}", result.name),
-        subtitle: format!("{}; plan {digest}; poinsot {}", headline(result), result.poinsot),
-        footer: "Intervals have 95 % confidence: Wilson for shares, Student for means, chi-square for mean squares. This file needs no network.".to_owned(),
+        title: format!("{}: are the stated uncertainties right?", result.name),
+        subtitle: format!(
+            "{}; plan {digest}; poinsot {}",
+            headline(result),
+            result.poinsot
+        ),
+        footer: format!(
+            "Intervals have 95 % confidence: Wilson for shares, Student for means, chi-square for mean squares. {ABOUT_KNOWN}. This file needs no network."
+        ),
         parts: vec![opening.part()?, drawn, tables],
     })
 }
 
-/// Whether every method is calibrated.
-fn held(result: &CampaignFile) -> Light {
-    let methods = || result.cells.iter().flat_map(|c| &c.methods);
-    let missed = methods().filter(|m| !m.misses.is_empty()).count();
-    let found = format!("{missed} of {} methods miss a limit", methods().count());
-    let mut light = asked("Calibrated?", missed == 0, found);
-    light.place = "tables";
-    light
+/// The method that does worst: most misses, then fewest trials.
+fn worst(result: &CampaignFile) -> Option<Calibration> {
+    let methods = result.cells.iter().flat_map(|c| &c.methods);
+    let all = methods.map(MethodResultFile::calibration);
+    all.max_by_key(|c| (c.missed, std::cmp::Reverse(c.trials)))
+}
+
+/// Whether each method is calibrated, in the cell where it does worst.
+fn lights(result: &CampaignFile) -> Vec<Light> {
+    let mut worst: IndexMap<&str, Calibration> = IndexMap::new();
+    for method in result.cells.iter().flat_map(|c| &c.methods) {
+        let own = method.calibration();
+        let known = worst.entry(&method.method).or_insert(own);
+        if own.missed > known.missed {
+            *known = own;
+        }
+    }
+    let light = |(method, found): (&str, Calibration)| {
+        let (tone, word) = match (found.missed, found.is_resolved()) {
+            (0, true) => (Tone::Good, "yes"),
+            (0, false) => (Tone::Fair, "not contradicted"),
+            _ => (Tone::Bad, "no"),
+        };
+        light(
+            "Calibrated?",
+            "tables",
+            tone,
+            word,
+            format!("{method}: {found}"),
+        )
+    };
+    worst.into_iter().map(light).collect()
 }
 
 /// The address with the most values, if one has at least two.
