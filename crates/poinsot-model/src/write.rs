@@ -91,7 +91,9 @@ fn uncertainties(model: &Model) -> HashMap<(&'static str, usize), Sigmas> {
 }
 
 fn body(body: &Body, uncertainty: Option<Sigmas>) -> BodyFile {
-    let (e, I) = (body.estimate, &body.nominal.I_BBcm_B);
+    let stands_in = |given: &MassProperties| given.nearest_physical() == body.nominal;
+    let told = body.given.filter(stands_in).unwrap_or(body.nominal);
+    let (e, I) = (body.estimate, &told.I_BBcm_B);
     let asked = [
         (Parameter::Mass, e.mass),
         (Parameter::Com, e.com),
