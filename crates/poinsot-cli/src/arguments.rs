@@ -448,6 +448,9 @@ pub struct Design {
     /// Stop the search after N minutes with the best manoeuvre so far.
     #[arg(long, value_name = "N")]
     pub minutes: Option<f64>,
+    /// Print each better manoeuvre while the search runs, as a line of JSON: largest ratio, duration, active limits.
+    #[arg(long)]
+    pub follow: bool,
     /// Simulate and identify N trial flights with vehicles drawn from the prior, and compare with the prediction.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub verify: u64,

@@ -64,7 +64,7 @@ fn style(template: &str) -> ProgressStyle {
 
 /// Style of a bar without a known total.
 fn open() -> ProgressStyle {
-    style("{spinner} {msg}, {elapsed}")
+    style("{spinner} {elapsed} {wide_msg}")
 }
 
 /// Style of a bar with a known total, or with an upper bound of it.
@@ -78,13 +78,15 @@ fn closed(bound: bool) -> ProgressStyle {
 
 /// Draws one step.
 fn draw(bar: &ProgressBar, step: Step) {
+    if step.total == 0 {
+        bar.set_style(open());
+        bar.set_message(step.stage);
+        return;
+    }
     if bar.message() != step.stage {
         bar.reset();
         bar.set_message(step.stage);
-        bar.set_style(match step.total {
-            0 => open(),
-            _ => closed(step.at_most),
-        });
+        bar.set_style(closed(step.at_most));
     }
     bar.set_length(step.total.max(1));
     bar.set_position(step.done);

@@ -2,10 +2,11 @@
 
 use crate::interrupt::Listening;
 use crate::mover::{Command, Target};
+use crate::progress::{Progress, Told};
 use crate::result::{Designed, REACHED};
-use crate::search::{Found, refine, search};
+use crate::search::{Found, refine, refine_unless, search};
 use crate::shape::Space;
-use crate::trial::{Deadline, Question};
+use crate::trial::{Deadline, Question, SURE};
 use crate::verify::{check_flights, verify};
 use crate::watch::Watch;
 use crate::written::manoeuvre_text;
@@ -13,7 +14,7 @@ use poinsot::Error;
 use poinsot::case::{Case, Design, Limits, Objective, Want, parse_case, read_case};
 use poinsot::posterior::{after_answer, known_sigma};
 use poinsot::predict::{against_duration, predict_case, wanted_sigma};
-use poinsot_dynamics::{Firing, Plan, Tree};
+use poinsot_dynamics::{Firing, Plan};
 use poinsot_formats::{
     DESIGN, DesignFile, DesignedNumberFile, LimitUseFile, SearchFile, ShorterFile, finite,
 };
@@ -33,9 +34,6 @@ const TIME_LEFT: f64 = 0.01;
 /// Assumed exponent of the decrease of sigma with duration, until two durations are known. It exceeds the 1/2 of
 /// independent samples, because slower motion also reaches further.
 const FALL: f64 = 1.5;
-/// Margin on the logarithm of the ratio while the shortest duration is sought. Thinned rows and limits checked at the
-/// end can cost as much.
-const SURE: f64 = 0.01;
 /// Largest number of times that a whole prediction lengthens the shortest manoeuvre, and of those after which it is
 /// shortened again.
 const PREDICTIONS: usize = 8;
@@ -62,6 +60,8 @@ pub struct DesignRequest {
     /// One or two kinds of limits whose front (largest ratio with the limits tighter and looser) is computed: `duration`,
     /// `wheel-speeds=0.5,1,2` with the factors on the limit.
     pub front: Vec<String>,
+    /// Is told of each better manoeuvre while the search runs.
+    pub told: Option<Told>,
 }
 
 /// Designs the manoeuvre of a case file.
@@ -110,7 +110,6 @@ pub(crate) struct Asked<'c> {
     pub design: Design,
     wants: Vec<Want>,
     pub limits: Limits,
-    joint_names: Vec<String>,
     deadline: Option<Deadline>,
 }
 
@@ -136,6 +135,7 @@ pub fn design_case(case: &Case, model: Model, request: &DesignRequest) -> Result
     let front = Asked::front_limits(&request.front)?;
     let listening = Listening::begin();
     let mut question = asked.question(&asked.limits)?;
+    question.progress = Some(Progress::new(request.told));
     let window = asked.design.window;
     let designed = case.duration_s - window.begin() - window.rest(case.duration_s);
     let space = asked.space(&asked.limits, designed)?;
@@ -150,6 +150,7 @@ pub fn design_case(case: &Case, model: Model, request: &DesignRequest) -> Result
     if asked.design.robust {
         asked.for_the_prior(&mut question, &space, &mut found)?;
     }
+    question.progress = None;
     let drawn_inside = space.drawn_inside(found.reached.x.clone());
     let (x, uses) = asked.held(&question, &space, drawn_inside)?;
     let mut designed = asked.told(&space, (&x, &found), (uses, reference, shorter))?;
@@ -214,11 +215,6 @@ impl<'c> Asked<'c> {
             }
             other => other,
         };
-        let tree = Tree::new(model);
-        let names = tree
-            .coordinates
-            .iter()
-            .map(|k| model.joints[*k].name.clone());
         let mut limits = case.limits(model)?;
         let scenario = case.bind_around(model, design.open())?;
         let designed = |f: &Firing| {
@@ -234,19 +230,10 @@ impl<'c> Asked<'c> {
             limits,
             design,
             wants,
-            joint_names: names.collect(),
             deadline: minutes.map(Deadline::after),
             case,
             model,
         })
-    }
-
-    pub fn name(&self, target: Target) -> &str {
-        match target {
-            Target::Joint(k) => &self.joint_names[k],
-            Target::Wheel(k) => &self.model.wheels[k].name,
-            Target::Thruster(k) => &self.model.thrusters[k].name,
-        }
     }
 
     fn space(&self, limits: &Limits, duration: f64) -> Result<Space, Error> {
@@ -255,7 +242,7 @@ impl<'c> Asked<'c> {
             Error::usage(
                 "CASE",
                 self.case.path().display(),
-                format!("{}: {why}", self.name(target)),
+                format!("{}: {why}", target.name(self.model)),
                 "",
             )
         })
@@ -263,7 +250,7 @@ impl<'c> Asked<'c> {
 
     /// The design problem of the nominal vehicle.
     pub fn question(&self, limits: &Limits) -> Result<Question, Error> {
-        let watch = Watch::new(self.model, limits, &self.joint_names);
+        let watch = Watch::new(self.model, limits);
         let what = (self.design.clone(), self.wants.clone());
         Question::new(self.case, self.model.clone(), what, watch, self.deadline)
     }
@@ -300,6 +287,7 @@ impl<'c> Asked<'c> {
         found: &mut Found,
     ) -> Result<(), Error> {
         question.vehicles = question.scenarios();
+        question.forget_best();
         let few = FEW_STEPS * (space.len() + 2);
         let budget = (self.design.evaluations / ROBUST_PART).max(few);
         if let Some(better) = refine(question, space, &found.reached.x, budget) {
@@ -432,11 +420,11 @@ impl<'c> Asked<'c> {
     fn written(&self, space: &Space, x: &[f64]) -> Result<Written, Error> {
         let commands = space.movers.iter().zip(space.commands(x));
         let commands: Vec<_> = commands
-            .map(|(m, c)| (self.name(m.target).to_owned(), c.delayed(space.from)))
+            .map(|(m, c)| (m.target.name(self.model), c.delayed(space.from)))
             .collect();
         let firings = space.valves.firings(x).into_iter();
         let firings: Vec<_> = firings
-            .map(|f| (self.name(Target::Thruster(f.thruster)).to_owned(), f))
+            .map(|f| (Target::Thruster(f.thruster).name(self.model), f))
             .collect();
         let manoeuvre = manoeuvre_text((self.case, &self.design), space, &commands, &firings)?;
         Ok((commands, firings, manoeuvre))
@@ -472,7 +460,9 @@ impl<'c> Asked<'c> {
                 break;
             };
             let from = &nominal.found.reached.x;
-            let Some(reached) = refine(question, &space, from, part.max(8 * space.len())) else {
+            // So good a manoeuvre is shortened by the largest step in any case.
+            let how = (part.max(8 * space.len()), -FALL);
+            let Some(reached) = refine_unless(question, &space, from, how) else {
                 break;
             };
             let time = space.duration.ln();

@@ -34,12 +34,14 @@
 //!   need a simulation.
 //! - `vehicles.rs`: vehicles of the prior. `verify.rs`: trial flights.
 //! - `result.rs`, `written.rs`: the result and its files. `interrupt.rs`: a stopped search keeps its best result.
+//!   `progress.rs`: the best manoeuvre so far.
 #![allow(non_snake_case)]
 
 mod design;
 pub mod interrupt;
 mod margins;
 mod mover;
+mod progress;
 mod relaxed;
 mod result;
 mod search;
@@ -52,6 +54,7 @@ mod watch;
 mod written;
 
 pub use design::{DesignRequest, design, design_case};
+pub use progress::{BestSoFar, Told};
 pub use result::Designed;
 pub use vehicles::{drawn, has_prior};
 

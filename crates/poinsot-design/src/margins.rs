@@ -1,9 +1,8 @@
 //! Use of the limits by a manoeuvre, and the vehicles of the prior that must hold them.
 
 use crate::design::{Asked, FEW_STEPS, ROBUST_PART};
-use crate::mover::{Order, Target};
 use crate::search::{evaluated, refine};
-use crate::shape::{Space, Use};
+use crate::shape::{Space, linear_uses};
 use crate::trial::{Critical, Program, Question};
 use crate::vehicles::{drawn, has_prior};
 use crate::watch::{WINDOWS_EACH, fine_times};
@@ -114,7 +113,11 @@ impl Asked<'_> {
                 false => *margin + found.beyond(),
             };
         }
-        Ok(nearest.iter().any(is_beyond))
+        let added = nearest.iter().any(is_beyond);
+        if added {
+            question.forget_best();
+        }
+        Ok(added)
     }
 
     /// The manoeuvre, or its largest fraction in [`SHARES`] that holds every limit on the fine grid, and its uses.
@@ -193,10 +196,7 @@ impl Asked<'_> {
         space: &Space,
         x: &[f64],
     ) -> Result<Vec<LimitUseFile>, Error> {
-        let mut all = space.valves.uses(x, |k| self.name(Target::Thruster(k)));
-        for u in space.uses(x) {
-            all.push(self.linear_use(space, &u));
-        }
+        let mut all = linear_uses(self.model, space, x);
         if question.watch.watched.is_empty() {
             return Ok(all);
         }
@@ -209,28 +209,6 @@ impl Asked<'_> {
         }));
         Ok(all)
     }
-
-    fn linear_use(&self, space: &Space, u: &Use) -> LimitUseFile {
-        let mover = &space.movers[u.mover];
-        let (low, high) = mover.bounds[u.order as usize];
-        let half = match low.is_finite() && high.is_finite() {
-            true => 0.5 * (high - low),
-            false => u.limit.abs(),
-        };
-        let (word, unit) = match (mover.target, u.order, mover.slides) {
-            (Target::Wheel(_), ..) => ("speed", "rad/s"),
-            (_, Order::Value, false) => ("position", "rad"),
-            (_, Order::Value, true) => ("position", "m"),
-            (_, Order::Rate, false) => ("rate", "rad/s"),
-            (_, Order::Rate, true) => ("rate", "m/s"),
-            (_, Order::Acceleration, false) => ("acceleration", "rad/s2"),
-            (_, Order::Acceleration, true) => ("acceleration", "m/s2"),
-        };
-        let what = format!("{word} of {}", self.name(mover.target));
-        let margin = (u.limit - u.value).abs() / half;
-        let sign = if inside(u, low, high) { 1.0 } else { -1.0 };
-        LimitUseFile::new(what, unit, u.value, u.limit, margin * sign)
-    }
 }
 
 /// Value and excess of one limit on the fine grid and on the rows.
@@ -241,9 +219,4 @@ fn merged((fine, rows): ((f64, f64), (f64, f64))) -> Nearest {
         between: (fine.1 - rows.1).max(0.0),
         worst: [None; WINDOWS_EACH],
     }
-}
-
-fn inside(u: &Use, low: f64, high: f64) -> bool {
-    let slack = 1.0e-9 * u.limit.abs();
-    (low - slack..=high + slack).contains(&u.value)
 }

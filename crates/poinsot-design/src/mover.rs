@@ -1,7 +1,8 @@
 //! One joint or wheel: its motion as a function of its free numbers, and the points at which limits are checked.
 
 use poinsot::case::{Form, Moved};
-use poinsot_dynamics::{Fourier, Jet, JointMotion, PiecewisePolynomial};
+use poinsot_dynamics::{Fourier, Jet, JointMotion, PiecewisePolynomial, Tree};
+use poinsot_model::Model;
 use std::f64::consts::{PI, TAU};
 
 /// Points per harmonic of a Fourier series; this tightens its limits by 0.12 %.
@@ -24,6 +25,18 @@ pub enum Target {
     Wheel(usize),
     /// Thruster.
     Thruster(usize),
+}
+
+impl Target {
+    /// Name of the joint, wheel or thruster.
+    pub fn name(self, model: &Model) -> String {
+        let named = match self {
+            Self::Joint(k) => &model.joints[Tree::new(model).coordinates[k]].name,
+            Self::Wheel(k) => &model.wheels[k].name,
+            Self::Thruster(k) => &model.thrusters[k].name,
+        };
+        named.clone()
+    }
 }
 
 /// Derivative that a linear limit bounds.

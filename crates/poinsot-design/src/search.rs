@@ -3,7 +3,7 @@
 
 use crate::shape::Space;
 use crate::trial::{Program, Question};
-use poinsot_solve::{Minimax, MinimaxOptions, MinimaxSearch, Reached, Values, minimax};
+use poinsot_solve::{Minimax, MinimaxOptions, MinimaxSearch, Reached, Values};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -31,6 +31,8 @@ const LAST_EACH: usize = 8;
 const LAST_SHARE: usize = 8;
 /// Fraction of the limits that random manoeuvres use.
 const STRETCH: f64 = 0.97;
+/// Manoeuvres evaluated together: an interruption keeps those before.
+const TOGETHER: usize = 16;
 /// The search stops when a step lowers the logarithm of the ratio by less.
 const TOLERANCE: f64 = 1.0e-5;
 /// First trust region, in free numbers.
@@ -57,7 +59,7 @@ pub fn search(
     let mut rng = ChaCha8Rng::seed_from_u64(question.design.seed);
     let last = (LAST_EACH * space.len()).min(evaluations / LAST_SHARE);
     let mut left = evaluations.saturating_sub(last);
-    let starts = begun(&program, &mut rng, given.to_vec(), &mut left);
+    let starts = begun(&program, &mut rng, given.to_vec(), (&mut left, enough));
     if starts.first()?.reached.values.merit() <= enough {
         return found(starts);
     }
@@ -163,7 +165,7 @@ fn begun(
     program: &Program,
     rng: &mut ChaCha8Rng,
     given: Vec<Vec<f64>>,
-    left: &mut usize,
+    (left, enough): (&mut usize, f64),
 ) -> Vec<MinimaxSearch> {
     let space = program.space;
     let wanted = program.question.design.starts;
@@ -176,7 +178,15 @@ fn begun(
     }
     let random = pool.split_off(of_case);
     let mut all = evaluated(program, pool, left);
-    all.extend(evaluated(program, random, left));
+    for part in random.chunks(TOGETHER) {
+        if all.iter().any(|s| s.reached.values.merit() <= enough) {
+            break;
+        }
+        all.extend(evaluated(program, part.to_vec(), left));
+    }
+    let merit = |s: &MinimaxSearch| s.reached.values.merit();
+    let given = all.len().min(of_case);
+    all[given..].sort_by(|a, b| merit(a).total_cmp(&merit(b)));
     all.truncate(wanted);
     all
 }
@@ -184,7 +194,10 @@ fn begun(
 /// A search from each of these manoeuvres that can be flown, the best first.
 pub fn evaluated(program: &Program, pool: Vec<Vec<f64>>, left: &mut usize) -> Vec<MinimaxSearch> {
     *left = left.saturating_sub(pool.len());
-    let values = in_parts(program, &pool);
+    let values: Vec<Option<Values>> = pool
+        .chunks(TOGETHER)
+        .flat_map(|p| program.values(p))
+        .collect();
     let begun = |(x, values): (Vec<f64>, Option<Values>)| Some(MinimaxSearch::begin(x, values?));
     let mut all: Vec<MinimaxSearch> = pool.into_iter().zip(values).filter_map(begun).collect();
     let merit = |s: &MinimaxSearch| s.reached.values.merit();
@@ -199,14 +212,24 @@ pub fn refine(
     from: &[f64],
     evaluations: usize,
 ) -> Option<Reached> {
+    refine_unless(question, space, from, (evaluations, f64::NEG_INFINITY))
+}
+
+/// The same, unless the manoeuvre has a merit of `enough` there.
+pub fn refine_unless(
+    question: &Question,
+    space: &Space,
+    from: &[f64],
+    (evaluations, enough): (usize, f64),
+) -> Option<Reached> {
     let program = Program::last(question, space);
-    let from = space.drawn_inside(from.to_vec());
-    minimax(
-        &program,
-        &space.polytope,
-        from,
-        options(evaluations, LAST_STEPS),
-    )
+    let mut left = evaluations;
+    let from = vec![space.drawn_inside(from.to_vec())];
+    let mut search = evaluated(&program, from, &mut left).into_iter().next()?;
+    if search.reached.values.merit() > enough {
+        search.advance(&program, &space.polytope, options(left, LAST_STEPS));
+    }
+    Some(search.reached)
 }
 
 fn options(evaluations: usize, steps: usize) -> MinimaxOptions {
@@ -216,11 +239,4 @@ fn options(evaluations: usize, steps: usize) -> MinimaxOptions {
         delta: DELTA,
         tolerance: TOLERANCE,
     }
-}
-
-/// Evaluates in chunks, so that an interruption keeps the completed ones.
-fn in_parts(program: &Program, pool: &[Vec<f64>]) -> Vec<Option<Values>> {
-    pool.chunks(16)
-        .flat_map(|part| program.values(part))
-        .collect()
 }

@@ -9,6 +9,8 @@ use crate::mover::{Command, Mover, Order, Target, middle};
 use crate::valves::Valves;
 use poinsot::case::{Design, Limits, Scenario};
 use poinsot_dynamics::{JointDrive, JointMotion, WheelMotion};
+use poinsot_formats::LimitUseFile;
+use poinsot_model::Model;
 use poinsot_solve::{Polytope, Side};
 
 /// Excess of a side, in its units, that is round-off.
@@ -299,6 +301,41 @@ impl Space {
         }
     }
 }
+
+/// Use of the limits that hold without a simulation: of motions and of firings.
+pub(crate) fn linear_uses(model: &Model, space: &Space, x: &[f64]) -> Vec<LimitUseFile> {
+    let mut all = space.valves.uses(x, |k| Target::Thruster(k).name(model));
+    all.extend(space.uses(x).iter().map(|u| linear_use(model, space, u)));
+    all
+}
+
+fn linear_use(model: &Model, space: &Space, u: &Use) -> LimitUseFile {
+    let mover = &space.movers[u.mover];
+    let (low, high) = mover.bounds[u.order as usize];
+    let half = match low.is_finite() && high.is_finite() {
+        true => 0.5 * (high - low),
+        false => u.limit.abs(),
+    };
+    let (word, unit) = match (mover.target, u.order, mover.slides) {
+        (Target::Wheel(_), ..) => ("speed", "rad/s"),
+        (_, Order::Value, false) => ("position", "rad"),
+        (_, Order::Value, true) => ("position", "m"),
+        (_, Order::Rate, false) => ("rate", "rad/s"),
+        (_, Order::Rate, true) => ("rate", "m/s"),
+        (_, Order::Acceleration, false) => ("acceleration", "rad/s2"),
+        (_, Order::Acceleration, true) => ("acceleration", "m/s2"),
+    };
+    let what = format!("{word} of {}", mover.target.name(model));
+    let margin = (u.limit - u.value).abs() / half;
+    let sign = if inside(u, low, high) { 1.0 } else { -1.0 };
+    LimitUseFile::new(what, unit, u.value, u.limit, margin * sign)
+}
+
+fn inside(u: &Use, low: f64, high: f64) -> bool {
+    let slack = 1.0e-9 * u.limit.abs();
+    (low - slack..=high + slack).contains(&u.value)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,7 @@
 //! One candidate manoeuvre, flown by the nominal vehicle or by vehicles of the prior: its information and limits.
 
-use crate::shape::Space;
+use crate::progress::{BestSoFar, Progress};
+use crate::shape::{Space, linear_uses};
 use crate::vehicles::drawn;
 use crate::watch::{Course, WINDOWS_EACH, Watch};
 use nalgebra::DMatrix;
@@ -9,6 +10,7 @@ use poinsot::bind::bind;
 use poinsot::case::{Case, Design, Form, Objective, Scenario, Want};
 use poinsot::simulate::{run, simulate_exact_of};
 use poinsot_dynamics::Tree;
+use poinsot_formats::ACTIVE;
 use poinsot_identify::{Information, WantedTerm};
 use poinsot_model::Model;
 use poinsot_solve::{Minimax, Values};
@@ -22,6 +24,13 @@ const TOLERANCE: f64 = 1.0e-6;
 /// them and more candidates lead further than half of them or all.
 const ROWS_A_CYCLE: f64 = 14.0;
 const LEAST_ROWS: f64 = 52.0;
+/// Margin on the logarithm of the ratio while the shortest duration is sought. Thinned rows and limits checked at the
+/// end can cost as much.
+pub const SURE: f64 = 0.01;
+/// Excess over a limit that the loose integration of a candidate may cause.
+const HELD: f64 = 1.0e-4;
+/// Relative change of the largest ratio that is told.
+const TOLD: f64 = 1.0e-3;
 /// Share of the time of a search until which it hops; the rest is for its last steps and for the vehicles of the prior.
 const HOPPING: f64 = 0.75;
 /// Number of vehicles of the prior in a robust design: its worst tenth are more than the free numbers of most manoeuvres, which
@@ -59,6 +68,8 @@ pub struct Question {
     pub deadline: Option<Deadline>,
     /// Number of evaluations so far.
     pub evaluations: AtomicUsize,
+    /// The best manoeuvre so far, where it is told.
+    pub(crate) progress: Option<Progress>,
 }
 
 /// When a search has to end.
@@ -132,6 +143,7 @@ impl Question {
             vehicles: Vec::new(),
             deadline,
             evaluations: AtomicUsize::new(0),
+            progress: None,
         })
     }
 
@@ -202,6 +214,44 @@ impl Question {
         (0..self.wants.len()).map(of).collect()
     }
 
+    /// How a candidate ranks; smaller is better. Where the shortest time is asked, any manoeuvre that reaches everything is better
+    /// than one that does not, and a shorter one than a longer. Ratios that differ by less than [`TOLD`] are equal.
+    fn rank(&self, duration: f64, values: &Values) -> [f64; 3] {
+        let worst = (values.worst() / TOLD).ceil();
+        match self.design.objective == Objective::ShortestTime {
+            true if values.worst() <= -SURE => [0.0, duration, worst],
+            _ => [1.0, worst, duration],
+        }
+    }
+
+    /// Names of the limits of which a candidate leaves less than 1 %.
+    fn active_limits(&self, (space, x): (&Space, &[f64]), course: &Course) -> Vec<String> {
+        let of_motion = linear_uses(&self.model, space, x).into_iter();
+        let mut names: Vec<String> = of_motion.filter(|u| u.active).map(|u| u.what).collect();
+        let windows = course.windows(&self.watch);
+        let limits = self.watch.watched.iter().zip(&self.margins);
+        for ((limit, margin), part) in limits.zip(windows.chunks(WINDOWS_EACH)) {
+            if part.iter().any(|beyond| -beyond - margin < ACTIVE) {
+                names.push(limit.what.clone());
+            }
+        }
+        names
+    }
+
+    /// Largest ratio of predicted to wanted sigma.
+    fn worst_ratio(&self, covariance: &DMatrix<f64>) -> f64 {
+        let of =
+            |i: usize| covariance[(i, i)].sqrt() / self.wants[i].sigma * self.surcharge[i].exp();
+        (0..self.wants.len()).map(of).fold(0.0, f64::max)
+    }
+
+    /// What was best may not be under other limits, or for other vehicles.
+    pub(crate) fn forget_best(&self) {
+        if let Some(progress) = &self.progress {
+            progress.forget();
+        }
+    }
+
     /// Worst tenth of these vehicles: mean of the logarithm of their largest ratios; `None` if one cannot fly.
     fn over(&self, vehicles: &[Model], scenario: &Scenario) -> Option<f64> {
         let one = |m: &Model| {
@@ -247,6 +297,17 @@ impl Question {
             own.iter_mut().for_each(|g| *g += self.margins[limit]);
         }
         let values = Values { objectives, limits };
+        if let Some(progress) = &self.progress {
+            let evaluations = self.evaluations.load(Ordering::Relaxed);
+            let rank = (values.broken() <= HELD).then(|| self.rank(space.duration, &values));
+            progress.take(evaluations, rank, |elapsed_s| BestSoFar {
+                elapsed_s,
+                evaluations,
+                duration_s: space.record(),
+                worst_ratio: self.worst_ratio(&flight.covariance),
+                active_limits: self.active_limits((space, x), &flight.course),
+            });
+        }
         values.merit().is_finite().then_some(values)
     }
 }

@@ -148,7 +148,7 @@ impl Valves {
     }
 
     /// Use of the limits by the firings; `name` maps a thruster to its name.
-    pub fn uses<'n>(&self, x: &[f64], name: impl Fn(usize) -> &'n str) -> Vec<LimitUseFile> {
+    pub fn uses(&self, x: &[f64], name: impl Fn(usize) -> String) -> Vec<LimitUseFile> {
         let mut all = Vec::new();
         for v in &self.list {
             let own = v.firings(x);
@@ -171,7 +171,7 @@ impl Valves {
         for limit in &self.impulses {
             let own = firings.iter().filter(|f| limit.holds(f.thruster));
             let spent = limit.spent + own.map(|f| f.force * (f.off - f.on)).sum::<f64>();
-            let names: Vec<&str> = limit.thrusters.iter().map(|k| name(*k)).collect();
+            let names: Vec<String> = limit.thrusters.iter().map(|k| name(*k)).collect();
             let (word, unit, scale) = match limit.exhaust {
                 Some(exhaust) => ("propellant", "kg", 1.0 / exhaust),
                 None => ("impulse", "N s", 1.0),

@@ -2,6 +2,7 @@
 //!
 //! One eighth of the second difference is added to each value: the most by which it can rise between samples.
 
+use crate::mover::Target;
 use poinsot::case::{Capsule, Case, Limits, ThrusterLimit};
 use poinsot_dynamics::{MotionSample, Times};
 use poinsot_model::Model;
@@ -67,7 +68,7 @@ pub struct Watch {
 
 impl Watch {
     /// Creates the limits declared in model and case.
-    pub fn new(model: &Model, limits: &Limits, joint_names: &[String]) -> Self {
+    pub fn new(model: &Model, limits: &Limits) -> Self {
         let mut watched = Vec::new();
         let mut push = |what: String, unit, limit: f64, kind| {
             if limit.is_finite() {
@@ -89,9 +90,9 @@ impl Watch {
             let what = format!("torque of {}", wheel.name);
             push(what, "N m", limit.torque, Kind::WheelTorque(k));
         }
-        for (k, (name, limit)) in joint_names.iter().zip(&limits.joints).enumerate() {
+        for (k, limit) in limits.joints.iter().enumerate() {
             push(
-                format!("torque of {name}"),
+                format!("torque of {}", Target::Joint(k).name(model)),
                 "N m",
                 limit.effort,
                 Kind::JointEffort(k),

@@ -5,11 +5,12 @@ use poinsot::case::{Case, parse_case, read_case};
 use poinsot::predict::{predict_case, wanted_sigma};
 use poinsot::simulate::run;
 use poinsot::write_report;
-use poinsot_design::{DesignRequest, Designed, design_case, drawn, write_design};
+use poinsot_design::{BestSoFar, DesignRequest, Designed, design_case, drawn, write_design};
 use poinsot_formats::{DesignedNumberFile, FrontPointFile};
 use poinsot_model::{Model, parse_model, read_model};
 use poinsot_testkit::vehicles::ModelText;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 
 fn example(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -540,6 +541,46 @@ fn prop_the_shortest_time_is_bracketed_within_a_hundredth_or_a_sample() {
         let close = between <= 0.01 * file.duration_s || between <= 1.001 / case.rate_hz;
         assert!(close, "{missed} s do not, {} s do", file.duration_s);
     }
+}
+
+static TOLD: Mutex<Vec<BestSoFar>> = Mutex::new(Vec::new());
+
+#[test]
+fn prop_what_is_told_of_a_search_becomes_better_until_it_is_the_answer() {
+    let search = "objective = \"shortest_time\"\nevaluations = 1200";
+    let (case, mut model) = searched("body_rate_rad_s = 0.04", 2.0e-4, search);
+    model.bodies[0].prior = None;
+    let request = DesignRequest {
+        told: Some(|best| TOLD.lock().unwrap().push(best.clone())),
+        ..DesignRequest::default()
+    };
+    let file = design_case(&case, model, &request).unwrap().file;
+    let told = std::mem::take(&mut *TOLD.lock().unwrap());
+    let first_reached = told.iter().position(|b| b.worst_ratio <= 0.99).unwrap();
+    for pair in told.windows(2) {
+        let [before, after] = pair else { continue };
+        let shorter = after.duration_s < before.duration_s;
+        assert!(
+            shorter || after.worst_ratio < before.worst_ratio,
+            "{pair:?}"
+        );
+        assert!(after.evaluations >= before.evaluations, "{pair:?}");
+    }
+    assert!(told[first_reached..].iter().all(|b| b.worst_ratio <= 0.99));
+    // Margins for values between the rows are added at the end.
+    let last = told.last().unwrap();
+    assert_eq!(last.duration_s, file.duration_s);
+    assert!(
+        (last.worst_ratio / file.worst_ratio.unwrap() - 1.0).abs() < 0.01,
+        "{last:?}"
+    );
+    let active = |name: &String| {
+        file.limits
+            .iter()
+            .any(|l| l.what == *name && l.margin < 0.02)
+    };
+    assert!(last.active_limits.iter().all(active), "{last:?}");
+    assert!(!last.active_limits.is_empty());
 }
 
 #[test]

@@ -113,7 +113,12 @@ pub struct LimitUseFile {
 }
 
 /// Margin below which a limit counts as active.
-const ACTIVE: f64 = 0.01;
+///
+/// ```
+/// let use_of = |margin| poinsot_formats::LimitUseFile::new("body rate".to_owned(), "rad/s", 0.1, 0.1, margin);
+/// assert!(use_of(0.5 * poinsot_formats::ACTIVE).active && !use_of(2.0 * poinsot_formats::ACTIVE).active);
+/// ```
+pub const ACTIVE: f64 = 0.01;
 
 impl LimitUseFile {
     /// The use of a limit; it is active below a margin of 1 %.

@@ -33,6 +33,7 @@ pub fn design(
             minutes,
             verify,
             front,
+            told: None,
         })?;
         if let Some(folder) = &out {
             let model = read_case(&case)?.model;

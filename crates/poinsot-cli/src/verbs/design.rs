@@ -1,10 +1,11 @@
 //! `poinsot design`
 
-use super::{Outcome, exit_of, noted, print_document, print_result, shown};
+use super::{Outcome, exit_of, noted, print_document, print_result, print_styled, shown};
 use crate::arguments::Design;
 use poinsot::case::read_case;
 use poinsot::check_outputs;
-use poinsot_design::{DesignRequest, design, write_design};
+use poinsot_design::{BestSoFar, DesignRequest, design, write_design};
+use poinsot_files::json_escaped;
 use poinsot_report::design_document;
 use std::path::Path;
 
@@ -31,6 +32,7 @@ pub fn run(arguments: &Design) -> Outcome {
         minutes: arguments.minutes,
         verify: arguments.verify,
         front: arguments.front.clone(),
+        told: arguments.follow.then_some(told),
     })?;
     let written = match &arguments.out {
         Some(folder) => write_design(folder, &mut designed, &case.model)?,
@@ -43,4 +45,10 @@ pub fn run(arguments: &Design) -> Outcome {
     );
     noted(&written, arguments.print.quiet);
     Ok(exit_of(designed.passes()))
+}
+
+/// A better manoeuvre as a line of JSON.
+fn told(best: &BestSoFar) {
+    let text = serde_json::to_string(best).unwrap_or_default();
+    print_styled(&format!("{}\n", json_escaped(&text)));
 }
