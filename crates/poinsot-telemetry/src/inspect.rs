@@ -116,7 +116,7 @@ fn summarise(channel: &Channel) -> Option<ChannelSummary> {
         time_s: [*channel.time_s.first()?, *channel.time_s.last()?],
         rate_hz: step.map(|s| 1.0 / s),
         gaps: gaps.len(),
-        lost: lost.sum(),
+        lost: lost.fold(0, usize::saturating_add),
         longest_gap_s: gaps.iter().copied().fold(0.0, f64::max),
         min: channel.values.iter().copied().fold(f64::INFINITY, f64::min),
         max: channel
