@@ -11,7 +11,7 @@ use poinsot_formats::{
 /// Numbers of trials with a reported cost, in addition to the plan's.
 const PRICED: [u64; 2] = [1_000_000, 1_000_000_000];
 /// What trials do with known numbers.
-pub(crate) const ABOUT_KNOWN: &str = "Trials and bound take the known numbers of the model as exact; an answer states them within the uncertainty that the model declares";
+pub(crate) const ABOUT_KNOWN: &str = "Every trial has the known numbers of the model, and the bound takes them as exact; a fit takes them to be as uncertain as the model says";
 /// Largest number of cells times methods with separate tables.
 const DETAILED: usize = 3;
 
