@@ -134,8 +134,8 @@ fn xval_a_design_after_an_answer_predicts_what_both_records_tell() {
 
 #[test]
 fn xval_errors_of_known_numbers_are_common_to_both_records() {
-    // The next segment need not move the wheels on which the answer depends. Errors independent of those of the first segment
-    // would give 29 % less, errors of known numbers that the data no longer tie to each other up to 22 % more or less.
+    // The next segment need not move the wheels on which the answer depends. If the errors of the
+    // two segments were independent, sigmas would be 29 % less; if those of the known numbers were, up to 22 % off.
     for next in [ALL, ONE] {
         let off = beside_both("source = \"cad\"", next);
         assert!(off.iter().all(|off| *off < 0.005), "{next}: {off:?}");

@@ -143,7 +143,8 @@ fn positive(sigmas: &[f64], correlation: impl Fn(usize, usize) -> f64) -> Vec<Ve
     if n == 0 {
         return Vec::new();
     }
-    let eigen = SymmetricEigen::new(DMatrix::from_fn(n, n, correlation));
+    let within = |i: usize, j: usize| correlation(i, j).clamp(-1.0, 1.0);
+    let eigen = SymmetricEigen::new(DMatrix::from_fn(n, n, within));
     let values = DMatrix::from_diagonal(&eigen.eigenvalues.map(|v| v.max(LEAST)));
     let positive = &eigen.eigenvectors * values * eigen.eigenvectors.transpose();
     let root = |k: usize| sigmas[k] / positive[(k, k)].sqrt();
@@ -163,11 +164,21 @@ fn known(
 ) -> (Vec<PosteriorKnown>, Vec<Vec<f64>>) {
     let (mut all, mut places) = (Vec::new(), Vec::new());
     let told = &answer.known_numbers;
+    let between = |i: usize, j: usize| {
+        let row = told.covariance.get(i);
+        row.and_then(|row| *row.get(j)?).unwrap_or_else(|| {
+            // A file of an earlier version has sigmas alone.
+            let own = &told.sensitivities[i];
+            let sigma = own.estimate_sigma.unwrap_or(own.sigma);
+            if i == j { sigma * sigma } else { 0.0 }
+        })
+    };
     for uncertain in model.uncertain() {
         let number = uncertain.number;
         for component in 0..number.components() {
             let at = address(&number.name(model, component), number.unit());
-            let Some(k) = told.sensitivities.iter().position(|s| s.number == at) else {
+            let place = told.sensitivities.iter().position(|s| s.number == at);
+            let Some(k) = place.filter(|k| between(*k, *k) >= f64::MIN_POSITIVE) else {
                 continue;
             };
             let step = number.round_step(model, component).size;
@@ -180,15 +191,6 @@ fn known(
             places.push(k);
         }
     }
-    let between = |i: usize, j: usize| {
-        let row = told.covariance.get(i);
-        row.and_then(|row| *row.get(j)?).unwrap_or_else(|| {
-            // A file of an earlier version has sigmas alone.
-            let own = &told.sensitivities[i];
-            let sigma = own.estimate_sigma.unwrap_or(own.sigma);
-            if i == j { sigma * sigma } else { 0.0 }
-        })
-    };
     let sigmas: Vec<f64> = places.iter().map(|k| between(*k, *k).sqrt()).collect();
     let covariance = positive(&sigmas, |i, j| {
         between(places[i], places[j]) / (sigmas[i] * sigmas[j])

@@ -62,13 +62,8 @@ pub(crate) fn known_numbers(model: &Model, solution: &Solution, rows: &[Row]) ->
     }
     let size = |e: &(usize, KnownEffect)| e.1.largest().map_or(0.0, |l| l.1);
     effects.sort_by(|a, b| size(b).total_cmp(&size(a)));
-    let row = |(i, _): &(usize, _)| {
-        effects
-            .iter()
-            .map(|(j, _)| known.covariance[(*i, *j)])
-            .collect()
-    };
-    out.covariance = effects.iter().map(row).collect();
+    let row = |i: usize| effects.iter().map(|e| known.covariance[(i, e.0)]).collect();
+    out.covariance = effects.iter().map(|e| row(e.0)).collect();
     out.effects = effects.into_iter().map(|(_, effect)| effect).collect();
     out
 }
