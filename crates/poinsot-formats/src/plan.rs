@@ -93,10 +93,6 @@ pub struct MethodFile {
     /// Whether maximum likelihood searches the cause of a misfit. It changes no number. Default false.
     #[serde(default)]
     pub diagnose: bool,
-    /// Whether the method draws and solves its trials itself, in its own kernel. Much cheaper; the noise is that of the
-    /// kernel, and no sigma is stated. Only ma2008 has a kernel: gyro and velocity have noise, other sensors none.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub kernel: bool,
 }
 
 /// Value of a setting.

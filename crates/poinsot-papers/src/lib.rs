@@ -61,7 +61,7 @@ mod setting;
 pub mod study;
 pub mod xu2017;
 
-pub use method::{Kernel, Method, Named, VariantText};
+pub use method::{Method, Named, VariantText};
 pub use numbers::answered;
 pub use registry::{METHODS, identify_by, method, studies};
 pub use setting::{SettingText, Settings};

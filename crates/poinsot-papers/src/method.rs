@@ -5,8 +5,6 @@ use crate::study::Study;
 use poinsot_files::Faults;
 pub use poinsot_formats::VariantFile as VariantText;
 use poinsot_identify::{Estimate, Problem};
-use poinsot_spatial::MassProperties;
-use std::ops::Range;
 
 /// A published method.
 pub struct Method {
@@ -29,16 +27,9 @@ pub struct Method {
     /// Identifies by the named variant, or by the first, with settings that are already checked, see [`crate::identify_by`].
     /// Undetermined numbers are part of the estimate, not an error.
     pub identify: fn(&Problem, Option<&str>, &Settings) -> Result<Estimate, Faults>,
-    /// The kernel of this problem, whose samples have no noise; `None` if the method has none for it.
-    pub kernel: fn(&Problem, Option<&str>) -> Result<Option<Kernel>, Faults>,
     /// Studies of its paper, see [`crate::study`].
     pub studies: &'static [Study],
 }
-
-/// Trials that a method draws and solves itself: estimates of the first body, one per number and in order, from a seed
-/// and the numbers of the trials alone. They are much cheaper than a draw and [`Method::identify`], have the noise that
-/// the kernel documents, and state no sigma.
-pub type Kernel = Box<dyn Fn(u64, Range<u64>) -> Vec<MassProperties> + Send + Sync>;
 
 /// Texts of error codes: the files `explanations/CODE.md` of the crate that calls it.
 #[macro_export]

@@ -24,7 +24,6 @@ use poinsot_dynamics::{Instrument, Tree};
 use poinsot_formats::address;
 use poinsot_identify::{Estimate, Problem, axis_name, cramer_rao, predicted_covariance};
 use poinsot_model::{Axes, Model, Sensor};
-use poinsot_papers::{Kernel, method};
 use poinsot_spatial::MassProperties;
 use poinsot_telemetry::Table;
 use rayon::prelude::*;
@@ -151,27 +150,6 @@ impl Study {
     ) -> Result<Estimate, Error> {
         let by = |problem: &Problem| estimate_by(problem, question, diagnose);
         solve(&self.model, tables, question.relative_accuracy, by)
-    }
-
-    /// The kernel of a published method for this experiment, which draws and solves trials itself.
-    ///
-    /// # Errors
-    /// The method has no kernel for it.
-    pub fn kernel(&self, question: &Question) -> Result<Kernel, Error> {
-        let own = method(&question.method);
-        let by = |problem: &Problem| {
-            let own = own.map(|m| (m.kernel)(problem, question.variant.as_deref()));
-            own.transpose()
-        };
-        let kernel = solve(&self.model, &self.exact, question.relative_accuracy, by)?;
-        kernel.flatten().ok_or_else(|| {
-            Error::usage(
-                "kernel",
-                &question.method,
-                "this method has no kernel for this experiment",
-                "take kernel out of the plan",
-            )
-        })
     }
 
     /// Runs trials in parallel; the rows are in order of their numbers, each with the bound.

@@ -93,6 +93,5 @@ pub static METHOD: Method = Method {
     reads_accelerations: false,
     codes: &crate::explanations!["E0420", "E0421", "E0422", "E0423", "E0424", "E0425"],
     identify: |problem, variant, _| identify(problem, Variant::named("kim2010", variant)?),
-    kernel: |_, _| Ok(None),
     studies: studies::STUDIES,
 };

@@ -39,11 +39,9 @@ mod arm;
 pub mod bounds;
 mod data;
 mod equations;
-mod lanes;
 pub mod printed;
 mod solve;
 pub mod studies;
-mod trials;
 
 pub use answer::identify;
 pub use arm::{Arm, Raw, Reading, Vehicle};
@@ -52,7 +50,6 @@ pub use equations::{
     linear_known, linear_rows, two_step,
 };
 pub use solve::{Step, solve};
-pub use trials::{Results, Trials};
 
 use crate::method::{Method, Named};
 
@@ -93,6 +90,5 @@ pub static METHOD: Method = Method {
         "E0521", "E0522", "E0523", "E0524", "E0525", "E0526", "E0527", "E0528", "E0529"
     ],
     identify: |problem, variant, _| identify(problem, Variant::named("ma2008", variant)?),
-    kernel: |problem, variant| trials::kernel(problem, Variant::named("ma2008", variant)?),
     studies: studies::STUDIES,
 };

@@ -119,7 +119,6 @@ pub static METHOD: Method = Method {
         let solver = settings::solver(variant.solver, settings)?;
         identify(problem, variant, &solver)
     },
-    kernel: |_, _| Ok(None),
     studies: studies::STUDIES,
 };
 

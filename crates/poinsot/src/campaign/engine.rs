@@ -1,18 +1,17 @@
 //! Shards on all cores of one machine.
 //!
-//! Each worker takes the next trials of any shard; the worker that finishes the last ones of a shard writes the shard.
+//! Each worker takes the next trial of any shard; the worker that finishes the last one of a shard writes the shard.
 //! Each worker has its own single-thread pool for the parallel parts of a fit. Trials therefore do not wait for each
 //! other.
 
 use super::plan::{Plan, Shard};
 use super::shard::{MissingShard, ShardResult, find};
-use super::trial::{Prepared, at_once};
+use super::trial::Prepared;
 use crate::error::Error;
 use crate::progress::step;
 use crate::trials::Row;
 use poinsot_files::{Pace, Place, check_time};
 use std::collections::BTreeMap;
-use std::ops::Range;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -69,15 +68,14 @@ pub(super) fn run_each(
     let count = AtomicUsize::new(0);
     let work = || {
         while locked(&failure).is_none() {
-            let Some((active, trials)) = locked(&pieces).next() else {
+            let Some((active, trial)) = locked(&pieces).next() else {
                 return;
             };
-            let many = (trials.end - trials.start) as usize;
-            let finished = run_some(plan, &active, trials);
-            let done = count.fetch_add(many, Ordering::Relaxed) + many;
+            let finished = run_one(plan, &active, trial);
+            let done = count.fetch_add(1, Ordering::Relaxed) + 1;
             step("trials", done, total);
             let taken = finished.and_then(|result| result.map_or(Ok(()), take));
-            let taken = taken.and_then(|()| pace.check(many, total));
+            let taken = taken.and_then(|()| pace.check(1, total));
             if let Err(error) = taken {
                 locked(&failure).get_or_insert(error);
             }
@@ -101,7 +99,7 @@ pub(super) fn run_each(
 /// ```
 pub fn run_shard(plan: &Plan, shard: u64) -> Result<ShardResult, Error> {
     let shard = plan.shard(shard);
-    let rows = Prepared::new(plan, &shard)?.run(plan, &shard, shard.trials.clone());
+    let rows = Prepared::new(plan, &shard)?.run_all(plan, &shard);
     Ok(ShardResult::new(plan, &shard, &rows))
 }
 
@@ -134,13 +132,12 @@ pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The trials of all shards in pieces, each with its shard.
+/// The trials of all shards, each with its shard.
 fn pieces<'a>(
     plan: &'a Plan,
     shards: &'a [u64],
-) -> impl Iterator<Item = (Arc<Active>, Range<u64>)> + Send + 'a {
+) -> impl Iterator<Item = (Arc<Active>, u64)> + Send + 'a {
     let mut last: Option<Arc<Active>> = None;
-    let many = at_once(plan);
     shards.iter().flat_map(move |number| {
         let shard = plan.shard(*number);
         let same = |l: &Arc<Active>| l.shard.cell == shard.cell;
@@ -153,18 +150,12 @@ fn pieces<'a>(
         });
         last = Some(Arc::clone(&active));
         let trials = active.shard.trials.clone();
-        let end = trials.end;
-        let piece = move |first| (Arc::clone(&active), first..end.min(first + many));
-        trials.step_by(many as usize).map(piece)
+        trials.map(move |trial| (Arc::clone(&active), trial))
     })
 }
 
-/// Runs trials; returns the shard after its last ones.
-fn run_some(
-    plan: &Plan,
-    active: &Active,
-    trials: Range<u64>,
-) -> Result<Option<ShardResult>, Error> {
+/// Runs a trial; returns the shard after its last one.
+fn run_one(plan: &Plan, active: &Active, trial: u64) -> Result<Option<ShardResult>, Error> {
     let shard = &active.shard;
     let prepare = || Prepared::new(plan, shard).map_err(|e| e.to_string());
     let prepared = active.prepared.get_or_init(prepare);
@@ -174,11 +165,9 @@ fn run_some(
         let remedy = "correct case, model or plan";
         Error::one("E0541", Place::file(&plan.name), what, remedy)
     })?;
-    let many = (trials.end - trials.start) as usize;
-    let first = trials.start;
-    let rows = prepared.run(plan, shard, trials);
-    locked(&active.done).insert(first, rows);
-    if active.left.fetch_sub(many, Ordering::AcqRel) > many {
+    let rows = prepared.run(plan, shard, trial);
+    locked(&active.done).insert(trial, rows);
+    if active.left.fetch_sub(1, Ordering::AcqRel) > 1 {
         return Ok(None);
     }
     let done = std::mem::take(&mut *locked(&active.done));

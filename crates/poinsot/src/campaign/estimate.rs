@@ -3,14 +3,14 @@
 use super::engine::one_thread;
 use super::plan::{Plan, Shard};
 use super::shard::ShardResult;
-use super::trial::{Prepared, at_once};
+use super::trial::Prepared;
 use crate::error::Error;
 use crate::trials::Row;
 use poinsot_files::stated;
 use poinsot_formats::CampaignCost;
 use poinsot_telemetry::RowCells;
 
-/// Least number of trials measured per cell. The first is a warm-up and not counted; kernels measure a block of trials.
+/// Number of trials measured per cell. The first is a warm-up and not counted.
 const MEASURED: u64 = 4;
 /// Number of cells measured: the first, the last, and one in between.
 const CELLS: u64 = 3;
@@ -40,13 +40,12 @@ fn measured_cost(plan: &Plan) -> Result<CampaignCost, Error> {
     let (mut seconds, mut count, mut bytes) = (0.0, 0.0, 0.0_f64);
     for cell in chosen {
         let whole = plan.shard(cell);
-        let measured = MEASURED.max(at_once(plan));
-        let past = whole.trials.end.min(whole.trials.start + measured);
+        let past = whole.trials.end.min(whole.trials.start + MEASURED);
         let shard = Shard {
             trials: whole.trials.start..past,
             ..whole
         };
-        let rows = Prepared::new(plan, &shard)?.run(plan, &shard, shard.trials.clone());
+        let rows = Prepared::new(plan, &shard)?.run_all(plan, &shard);
         let trials: Vec<&[Row]> = rows.chunks(plan.methods.len()).collect();
         let warm = usize::from(trials.len() > 1);
         for trial in &trials[warm..] {

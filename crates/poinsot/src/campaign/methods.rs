@@ -10,7 +10,6 @@ pub(crate) struct MethodChoice {
     pub label: String,
     pub question: Question,
     pub diagnose: bool,
-    pub kernel: bool,
 }
 
 impl MethodChoice {
@@ -53,16 +52,12 @@ impl MethodChoice {
             .collect();
         let variant = file.variant.as_ref().map(|v| format!(" {v}"));
         let mut label = format!("{}{}", file.name, variant.unwrap_or_default());
-        if file.kernel {
-            label.push_str(" kernel");
-        }
         settings
             .iter()
             .for_each(|s| label.extend([" ", s.as_str()]));
         Self {
             label,
             diagnose: file.diagnose,
-            kernel: file.kernel,
             question: Question {
                 variant: file.variant.clone(),
                 settings,

@@ -138,7 +138,6 @@ pub fn made_plan(file: PlanFile, folder: &Path) -> Result<Plan, Error> {
 
 fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
     check_counts(&file, &mut text);
-    check_kernels(&file, &mut text);
     let methods = MethodChoice::all(&file.method, &mut text);
     let varied = file.vary.iter().enumerate();
     let grid = varied.filter_map(|(k, vary)| axis(vary, k, &mut text));
@@ -178,7 +177,6 @@ fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
     }
     text.finish()?;
     // Check every point of the grid before the first trial.
-    let kernels = plan.file.method.iter().any(|method| method.kernel);
     for cell in 0..plan.cells() {
         let experiment = plan.experiment(cell);
         let files = plan.files_at(experiment, cell)?;
@@ -189,28 +187,9 @@ fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
             case.check_memory(&files.truth, case.times().count(), copies)?;
             seconds = case.check_time(&files.truth, FITTED_S)?;
         }
-        plan.seconds = plan.seconds.min(if kernels { 0.0 } else { seconds });
+        plan.seconds = plan.seconds.min(seconds);
     }
     Ok(plan)
-}
-
-fn check_kernels(file: &PlanFile, text: &mut PlanText) {
-    let own_truth = !file.draw.is_empty();
-    let others = file.method.iter().any(|m| !m.kernel);
-    for (k, _) in file.method.iter().enumerate().filter(|(_, m)| m.kernel) {
-        let (what, remedy) = match (own_truth, others) {
-            (true, _) => (
-                "a kernel repeats the same true numbers, and this plan draws them",
-                "take it out",
-            ),
-            (_, true) => (
-                "a kernel draws its own noise, so that other methods do not have the same trials",
-                "write a plan for the other methods",
-            ),
-            _ => continue,
-        };
-        text.refuse(&format!("method[{k}].kernel"), what, remedy);
-    }
 }
 
 fn check_counts(file: &PlanFile, text: &mut PlanText) {

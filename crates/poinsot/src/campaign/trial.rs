@@ -6,31 +6,16 @@ use super::methods::MethodChoice;
 use super::plan::{Plan, Shard};
 use crate::error::Error;
 use crate::threads::{processor_time, since};
-use crate::trials::{Bound, Row, RowNumber, Study};
+use crate::trials::{Bound, Row, Study};
 use poinsot_formats::{DrawFile, OfFile};
-use poinsot_identify::{Estimate, Status};
-use poinsot_papers::Kernel;
+use poinsot_identify::Estimate;
 use poinsot_telemetry::Table;
-use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-
-/// Trials by kernels that a thread takes at once: half a millisecond, long beside the wait for the queue.
-const TOGETHER: u64 = 256;
-
-/// Number of trials that a thread takes at once.
-pub(super) fn at_once(plan: &Plan) -> u64 {
-    match plan.methods.iter().all(|m| m.kernel) {
-        true => TOGETHER,
-        false => 1,
-    }
-}
 
 /// Data shared by all trials of a shard.
 pub(super) struct Prepared {
     /// The experiment, if all trials have the same true values.
     shared: Option<Repeated>,
-    /// Kernels of all methods, or none.
-    kernels: Vec<Kernel>,
 }
 
 /// An experiment with its bound.
@@ -52,29 +37,21 @@ impl Prepared {
     /// # Errors
     /// The experiment cannot be simulated.
     pub fn new(plan: &Plan, shard: &Shard) -> Result<Self, Error> {
-        let mut prepared = Self {
-            shared: None,
-            kernels: Vec::new(),
+        let shared = match plan.draws() {
+            true => None,
+            false => Some(Repeated::of(plan.study(shard.cell)?)),
         };
-        if !plan.draws() {
-            let study = plan.study(shard.cell)?;
-            let kernels = plan.methods.iter().filter(|m| m.kernel);
-            let kernels = kernels.map(|m| study.kernel(&m.question));
-            prepared.kernels = kernels.collect::<Result<_, _>>()?;
-            prepared.shared = Some(Repeated::of(study));
-        }
-        Ok(prepared)
+        Ok(Self { shared })
     }
 
-    /// Runs trials: rows by trial, then by method. Failures are part of the result.
-    pub fn run(&self, plan: &Plan, shard: &Shard, numbers: Range<u64>) -> Vec<Row> {
-        match &self.shared {
-            Some(shared) if !self.kernels.is_empty() => self.solved(shared, numbers),
-            _ => numbers.flat_map(|n| self.run_one(plan, shard, n)).collect(),
-        }
+    /// Runs all trials of a shard, one after the other: rows by trial, then by method.
+    pub fn run_all(&self, plan: &Plan, shard: &Shard) -> Vec<Row> {
+        let trials = shard.trials.clone();
+        trials.flat_map(|n| self.run(plan, shard, n)).collect()
     }
 
-    fn run_one(&self, plan: &Plan, shard: &Shard, number: u64) -> Vec<Row> {
+    /// Runs a trial: a row for each method. Failures are part of the result.
+    pub fn run(&self, plan: &Plan, shard: &Shard, number: u64) -> Vec<Row> {
         let start = processor_time();
         let mut drawn = Vec::new();
         let own;
@@ -105,42 +82,6 @@ impl Prepared {
             }
         };
         plan.methods.iter().map(by).collect()
-    }
-
-    /// Trials by kernels alone: no telemetry is drawn.
-    fn solved(&self, shared: &Repeated, numbers: Range<u64>) -> Vec<Row> {
-        let expected = shared.study.expected(&[], &shared.bound);
-        let mut by_kernel = Vec::new();
-        for kernel in &self.kernels {
-            let start = processor_time();
-            let bodies = kernel(shared.study.seed, numbers.clone());
-            let seconds = since(start) / bodies.len().max(1) as f64;
-            // A kernel estimates the first body.
-            let rows = bodies.iter().zip(numbers.clone()).map(|(body, trial)| Row {
-                trial,
-                status: Some(Status::Converged),
-                iterations: 1,
-                seconds,
-                numbers: body
-                    .to_array()
-                    .into_iter()
-                    .zip(&expected)
-                    .map(|(x, number)| RowNumber {
-                        estimate: Some(x),
-                        ..number.clone()
-                    })
-                    .collect(),
-                ..Row::default()
-            });
-            by_kernel.push(rows.collect::<Vec<_>>().into_iter());
-        }
-        let next = |_| {
-            by_kernel
-                .iter_mut()
-                .filter_map(Iterator::next)
-                .collect::<Vec<_>>()
-        };
-        numbers.clone().flat_map(next).collect()
     }
 
     /// The experiment of a trial with its own true values.

@@ -79,7 +79,7 @@ pub struct Row {
     pub channels: Vec<(String, f64)>,
     /// That of all determined mass properties.
     pub nees: Option<Nees>,
-    /// CPU time including its part of the simulation, s; by a kernel, the mean of a block of trials.
+    /// CPU time including its part of the simulation, s.
     pub seconds: f64,
 }
 

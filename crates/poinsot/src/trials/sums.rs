@@ -268,7 +268,7 @@ impl Sums {
             failures: self.failed.iter().take(NAMED[1]).cloned().collect(),
             nees: (dof > 0).then(|| BandedFile::mean_square(square / dof as f64, dof, outside)),
             nees_dof: dof,
-            // Exactly zero where no answer has residuals: a kernel states none.
+            // Exactly zero where no answer has residuals.
             chi2_per_dof: finite(self.chi2_per_dof / count).filter(|chi2| *chi2 > 0.0),
             channels: self.channels.iter().map(mean).collect(),
             iterations: (self.iterations.sum as f64 / count, self.iterations.most),

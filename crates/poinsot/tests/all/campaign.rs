@@ -321,44 +321,6 @@ fn unit_a_plan_that_cannot_be_run_says_why() {
     }
 }
 
-/// The kernel of a method: the true numbers without noise, a scatter in proportion to it, the same in any shards.
-#[test]
-fn exact_a_kernel_runs_its_own_trials() {
-    let text = |block: u64, noise: f64| {
-        format!(
-            "schema = \"poinsot.plan/1\"\ntrials = 600\ntrials_per_shard = {block}\n\n\
-             [[experiment]]\nrecord = \"../ma2008/traj1/telemetry.parquet\"\ntruth = \"ma2008_truth.toml\"\n\
-             model = \"../ma2008/model_noisy.toml\"\nevery = 300\n\n[[method]]\nname = \"ma2008\"\nkernel = true\n\n\
-             [[change]]\nnumber = \"noise\"\ntimes = {noise:?}\n"
-        )
-    };
-    let rmse = |block, noise| {
-        let ran = campaign_in_memory(&plan(&text(block, noise))).unwrap();
-        let method = ran.result.unwrap().cells.remove(0).methods.remove(0);
-        assert_eq!(
-            (method.method.as_str(), method.trials),
-            ("ma2008 kernel", 600)
-        );
-        assert_eq!(method.numbers.len(), 10);
-        let mass = &method.numbers["base.mass_kg"];
-        assert_eq!(mass.coverage_all.value, None);
-        mass.rmse.value.unwrap()
-    };
-    let (one, small) = (rmse(600, 1.0), rmse(600, 1.0e-3));
-    assert!((one / small / 1.0e3 - 1.0).abs() < 0.05, "{one} {small}");
-    assert!((rmse(7, 1.0) / one - 1.0).abs() < 1.0e-12);
-    let draws = text(600, 1.0) + "\n[[draw]]\nnumber = \"base.mass_kg\"\nrelative_sigma = 0.01\n";
-    let Err(error) = parse_plan(&cases().join("plan.toml"), draws) else {
-        panic!("accepted")
-    };
-    assert!(error.to_string().contains("E0541"), "{error}");
-    let other = text(600, 1.0).replace("ma2008\"\nkernel", "linear\"\nkernel");
-    let Err(error) = campaign_in_memory(&plan(&other)) else {
-        panic!("run")
-    };
-    assert!(error.to_string().contains("no kernel"), "{error}");
-}
-
 #[test]
 fn exact_a_plan_of_a_program_is_that_of_a_file() {
     let file: PlanFile = toml::from_str(PLAN).unwrap();
