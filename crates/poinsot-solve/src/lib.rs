@@ -7,7 +7,7 @@
 //! | nonlinear least squares | [`levenberg_marquardt()`], [`LeastSquares`] |
 //! | linear least squares in double-double precision | [`refine()`], [`DoubleDouble`] |
 //! | shortest vector over positive semidefinite blocks | [`semidefinite`] |
-//! | minimax of several functions within linear limits | [`minimax()`], [`Polytope`] |
+//! | minimax of several functions within linear limits | [`MinimaxSearch`], [`Polytope`] |
 //! | smoothing spline through noisy samples | [`smooth_curve`] |
 //! | eight numbers in parallel | [`lanes`] |
 //!
@@ -65,7 +65,7 @@ pub use double_double::DoubleDouble;
 pub use levenberg_marquardt::{
     End, LeastSquares, Linearised, Minimum, Pace, Step, levenberg_marquardt,
 };
-pub use minimax::{Minimax, MinimaxOptions, MinimaxSearch, Reached, Values, minimax};
+pub use minimax::{Minimax, MinimaxOptions, MinimaxSearch, Reached, Values};
 pub use polytope::{Polytope, Side};
 pub use refine::{Refined, refine, solve_triangle};
 pub use spectrum::{DirectionSigma, NotFinite, Spectrum};

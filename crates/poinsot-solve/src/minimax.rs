@@ -99,10 +99,10 @@ pub struct Reached {
     pub settled: bool,
 }
 
-/// Searches from a point inside the polytope; `None` if the functions are undefined there.
+/// A search that can be continued, with its Jacobians and curvature.
 ///
 /// ```
-/// use poinsot_solve::{Minimax, MinimaxOptions, Polytope, Side, Values, minimax};
+/// use poinsot_solve::{Minimax, MinimaxOptions, MinimaxSearch, Polytope, Side, Values};
 ///
 /// /// (x - 1)^2 and (x + 1)^2: the larger is smallest at zero.
 /// struct Parabolas;
@@ -118,22 +118,12 @@ pub struct Reached {
 ///
 /// let within = Polytope { sides: vec![Side { a: vec![(0, 1.0)], low: -3.0, high: 3.0 }] };
 /// let options = MinimaxOptions { evaluations: 200, steps: 50, delta: 0.5, tolerance: 1.0e-9 };
-/// let reached = minimax(&Parabolas, &within, vec![2.0], options).unwrap();
+/// let first = Parabolas.values(&[vec![2.0]]).pop().flatten().unwrap();
+/// let mut search = MinimaxSearch::begin(vec![2.0], first);
+/// search.advance(&Parabolas, &within, options);
+/// let reached = search.reached;
 /// assert!(reached.x[0].abs() < 1.0e-6 && (reached.values.worst() - 1.0).abs() < 1.0e-6);
 /// ```
-pub fn minimax(
-    program: &impl Minimax,
-    polytope: &Polytope,
-    start: Vec<f64>,
-    options: MinimaxOptions,
-) -> Option<Reached> {
-    let first = program.values(std::slice::from_ref(&start)).pop()??;
-    let mut search = MinimaxSearch::begin(start, first);
-    search.advance(program, polytope, options);
-    Some(search.reached)
-}
-
-/// A search that can be continued, with its Jacobians and curvature.
 pub struct MinimaxSearch {
     /// Present result.
     pub reached: Reached,
@@ -337,6 +327,18 @@ mod tests {
         fn values(&self, points: &[Vec<f64>]) -> Vec<Option<Values>> {
             points.iter().map(|x| Some((self.0)(x))).collect()
         }
+    }
+
+    fn minimax(
+        program: &impl Minimax,
+        polytope: &Polytope,
+        start: Vec<f64>,
+        options: MinimaxOptions,
+    ) -> Option<Reached> {
+        let first = program.values(std::slice::from_ref(&start)).pop()??;
+        let mut search = MinimaxSearch::begin(start, first);
+        search.advance(program, polytope, options);
+        Some(search.reached)
     }
 
     const OPTIONS: MinimaxOptions = MinimaxOptions {
