@@ -188,25 +188,54 @@ fn banded(
     series
 }
 
-/// Error and bound of every number over the varied number, one line per method and set of other numbers.
+/// All methods over the varied number, by the errors of all their numbers; then error and bound of every number.
 fn swept(result: &CampaignFile, address: &str) -> Vec<Figure> {
+    let over_bound = |m: &MethodResultFile| {
+        let ratios = m.numbers.values().filter_map(|n| n.rmse_over_bound.value);
+        let squares: Vec<f64> = ratios.map(|r| r * r).collect();
+        let mean = squares.iter().sum::<f64>() / squares.len() as f64;
+        [(Mark::Line, Some(mean.sqrt()))]
+    };
+    let all = Plot {
+        title: "error over the Cramer-Rao bound, rms of all numbers".to_owned(),
+        x: Axis::new(address, ""),
+        y: Axis::new("RMSE/bound", ""),
+        log: true,
+        levels: vec![(1.0, "wanted".to_owned())],
+        series: lines(result, address, over_bound),
+        height: 300.0,
+        ..Plot::default()
+    };
     let figure = |name: &String| {
+        let of = |m: &MethodResultFile| match m.numbers.get(name) {
+            Some(n) => [(Mark::Line, n.rmse.value), (Mark::Dashed, n.bound)],
+            None => [(Mark::Line, None), (Mark::Dashed, None)],
+        };
         let plot = Plot {
             title: format!("error of {name}"),
             x: Axis::new(address, ""),
             y: Axis::new("RMSE and bound", "SI"),
             log: true,
-            series: lines(result, address, name),
+            series: lines(result, address, of),
             height: 260.0,
             half: true,
             ..Plot::default()
         };
         Figure::plot(name, plot)
     };
-    names(result).iter().take(FIGURES).map(figure).collect()
+    let each = names(result);
+    let each = each.iter().take(FIGURES).map(figure);
+    std::iter::once(Figure::plot("methods", all))
+        .chain(each)
+        .collect()
 }
 
-fn lines(result: &CampaignFile, address: &str, name: &str) -> Vec<Series> {
+/// Lines over the varied number: of each method solid, of bounds dashed, one for each set of other numbers.
+fn lines<const N: usize>(
+    result: &CampaignFile,
+    address: &str,
+    of: impl Fn(&MethodResultFile) -> [(Mark, Option<f64>); N],
+) -> Vec<Series> {
     let rest = |cell: &CellFile| {
         let others = cell.at.iter().filter(|(n, _)| *n != address);
         let others = others.map(|(n, v)| format!(" {n}={}", short(*v)));
@@ -216,15 +245,15 @@ fn lines(result: &CampaignFile, address: &str, name: &str) -> Vec<Series> {
     for cell in &result.cells {
         let x = cell.at.get(address).copied().unwrap_or(f64::NAN);
         for method in &cell.methods {
-            let Some(n) = method.numbers.get(name) else {
-                continue;
-            };
-            let error = (Mark::Line, format!("{} {}", method.method, rest(cell)));
-            let rmse = n.rmse.value.unwrap_or(f64::NAN);
-            lines.entry(error).or_default().push((x, rmse));
-            if let Some(bound) = n.bound {
-                let bounds = (Mark::Dashed, format!("bound {}", rest(cell)));
-                lines.entry(bounds).or_default().push((x, bound));
+            for (mark, value) in of(method) {
+                let what = match mark {
+                    Mark::Dashed => "bound",
+                    _ => &method.method,
+                };
+                if let Some(value) = value {
+                    let line = (mark, format!("{what} {}", rest(cell)));
+                    lines.entry(line).or_default().push((x, value));
+                }
             }
         }
     }
