@@ -1,6 +1,7 @@
 //! From a case to a designed manoeuvre.
 
 use crate::interrupt::Listening;
+use crate::margins::Uses;
 use crate::mover::{Command, Target};
 use crate::progress::{Progress, Told};
 use crate::result::{Designed, REACHED};
@@ -15,9 +16,7 @@ use poinsot::case::{Case, Design, Limits, Objective, Want, parse_case, read_case
 use poinsot::posterior::{after_answer, known_sigma};
 use poinsot::predict::{against_duration, predict_case, wanted_sigma};
 use poinsot_dynamics::{Firing, Plan};
-use poinsot_formats::{
-    DESIGN, DesignFile, DesignedNumberFile, LimitUseFile, SearchFile, ShorterFile, finite,
-};
+use poinsot_formats::{DESIGN, DesignFile, DesignedNumberFile, SearchFile, ShorterFile, finite};
 use poinsot_model::{Model, read_model};
 use poinsot_report::design_sentence;
 use std::path::{Path, PathBuf};
@@ -146,21 +145,31 @@ pub fn design_case(case: &Case, model: Model, request: &DesignRequest) -> Result
         shorter,
     } = asked.nominal(&mut question, space)?;
     asked.leave_margins(&mut question, &space, &mut found.reached)?;
-    let nominal = found.reached.x.clone();
+    let mut of_nominal = None;
     if asked.design.robust {
+        of_nominal = Some(asked.held(&question, &space, &found)?);
         asked.for_the_prior(&mut question, &space, &mut found)?;
     }
     question.progress = None;
-    let drawn_inside = space.drawn_inside(found.reached.x.clone());
-    let (x, uses) = asked.held(&question, &space, drawn_inside)?;
+    let (mut x, mut uses) = asked.held(&question, &space, &found)?;
+    let mut others = None;
+    if let Some((nominal, of_nominal)) = of_nominal {
+        let of_own = question.over_others(&space, &x);
+        let of_first = question.over_others(&space, &nominal);
+        if of_first < of_own {
+            // Vehicles that no search has seen decide: the robust manoeuvre suits those of its search.
+            (x, uses) = (nominal, of_nominal);
+        }
+        others = Some((question.over_scenarios(&space, &x), of_own, of_first));
+    }
     let mut designed = asked.told(&space, (&x, &found), (uses, reference, shorter))?;
     let file = &mut designed.file;
     let after = request.after.as_ref();
     file.after = after.map(|answer| answer.display().to_string());
-    if asked.design.robust {
-        file.robust_log_ratio = Some(found.reached.values.worst());
-        file.robust_log_ratio_others = question.over_others(&space, &x);
-        file.nominal_log_ratio_others = question.over_others(&space, &nominal);
+    if let Some((of_search, of_own, of_nominal)) = others {
+        file.robust_log_ratio = of_search;
+        file.robust_log_ratio_others = of_own;
+        file.nominal_log_ratio_others = of_nominal;
     }
     if file.verdict == NOT_REACHED && !crate::interrupt::is_requested() {
         file.relaxed = asked.relaxed(&question, &space, &x, &file.limits);
@@ -286,7 +295,8 @@ impl<'c> Asked<'c> {
         space: &Space,
         found: &mut Found,
     ) -> Result<(), Error> {
-        question.vehicles = question.scenarios();
+        question.vehicles = vec![self.model.clone()];
+        self.follow_the_worst(question, space, &found.reached.x);
         question.forget_best();
         let few = FEW_STEPS * (space.len() + 2);
         let budget = (self.design.evaluations / ROBUST_PART).max(few);
@@ -294,6 +304,16 @@ impl<'c> Asked<'c> {
             found.reached = better;
         }
         self.leave_margins(question, space, &mut found.reached)
+    }
+
+    /// The vehicles of a robust design that do worst in this manoeuvre are those of its objective.
+    pub fn follow_the_worst(&self, question: &mut Question, space: &Space, x: &[f64]) {
+        if question.vehicles.is_empty() {
+            return;
+        }
+        if let Some(worst) = question.worst_scenarios(space, x) {
+            question.vehicles = worst;
+        }
     }
 
     /// The best manoeuvre of the nominal vehicle, at fixed or shortest duration; its prediction sets the surcharge.
@@ -488,7 +508,7 @@ impl<'c> Asked<'c> {
         &self,
         space: &Space,
         (x, found): (&[f64], &Found),
-        (limits, reference, shorter): (Vec<LimitUseFile>, Option<Vec<f64>>, Option<ShorterFile>),
+        (uses, reference, shorter): (Uses, Option<Vec<f64>>, Option<ShorterFile>),
     ) -> Result<Designed, Error> {
         let (commands, firings, manoeuvre) = self.written(space, x)?;
         let case = parsed(self.case.path(), manoeuvre.clone())?;
@@ -510,9 +530,8 @@ impl<'c> Asked<'c> {
         let wants: Vec<DesignedNumberFile> = wants.collect();
         let ratio = |w: &DesignedNumberFile| w.sigma.map_or(f64::INFINITY, |s| s / w.wanted_sigma);
         let worst = wants.iter().map(ratio).fold(0.0, f64::max);
-        let holds = limits.iter().all(|l| l.margin >= -ROUNDED);
         let unshortened = shorter.is_some_and(|s| s.stopped && s.missed_s.is_none());
-        let verdict = match (worst <= 1.0 + ROUNDED && holds, unshortened) {
+        let verdict = match (worst <= 1.0 + ROUNDED && uses.hold(ROUNDED), unshortened) {
             (true, true) => "stopped",
             (true, false) => REACHED,
             (false, _) => NOT_REACHED,
@@ -533,7 +552,8 @@ impl<'c> Asked<'c> {
             robust_log_ratio_others: None,
             nominal_log_ratio_others: None,
             wants,
-            limits,
+            limits: uses.limits,
+            share_beyond_limits: uses.share_beyond,
             relaxed: Vec::new(),
             front: Vec::new(),
             against_duration: Some(ends),

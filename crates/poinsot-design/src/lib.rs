@@ -30,8 +30,8 @@
 //!   information, limits.
 //! - `shape.rs`: all free numbers and their linear limits. `mover.rs`: motion of one joint or wheel. `valves.rs`:
 //!   firings with free times.
-//! - `margins.rs`: use of limits, also by vehicles of the prior. `relaxed.rs`: other limits. `watch.rs`: limits that
-//!   need a simulation.
+//! - `margins.rs`: use of limits, also by vehicles of the prior. `reliability.rs`: the share of a prior that exceeds limits.
+//!   `relaxed.rs`: other limits. `watch.rs`: limits that need a simulation.
 //! - `vehicles.rs`: vehicles of the prior. `verify.rs`: trial flights.
 //! - `result.rs`, `written.rs`: the result and its files. `interrupt.rs`: a stopped search keeps its best result.
 //!   `progress.rs`: the best manoeuvre so far.
@@ -43,6 +43,7 @@ mod margins;
 mod mover;
 mod progress;
 mod relaxed;
+mod reliability;
 mod result;
 mod search;
 mod shape;

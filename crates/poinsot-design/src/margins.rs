@@ -1,56 +1,166 @@
 //! Use of the limits by a manoeuvre, and the vehicles of the prior that must hold them.
 
 use crate::design::{Asked, FEW_STEPS, ROBUST_PART};
-use crate::search::{evaluated, refine};
+use crate::reliability::{ALLOWED, Fleet, Point, Reliability};
+use crate::search::{Found, evaluated, refine};
 use crate::shape::{Space, linear_uses};
 use crate::trial::{Critical, Program, Question};
-use crate::vehicles::{drawn, has_prior};
-use crate::watch::{WINDOWS_EACH, fine_times};
+use crate::vehicles::{Prior, has_prior};
+use crate::watch::{WINDOWS_EACH, Watched, fine_times};
 use poinsot::Error;
+use poinsot::case::Scenario;
 use poinsot_formats::LimitUseFile;
-use poinsot_model::Model;
 use poinsot_solve::Reached;
-use rayon::prelude::*;
 
-/// Vehicles of the prior that must hold the limits that depend on the vehicle. The search adapts to those that it meets: with up
-/// to 39 vehicles on a limit at its end, 99 % of the prior holds it with probability 95 % (Campi and Garatti 2008).
-const VEHICLES: u64 = 5000;
+/// What the vehicles of the prior that bound a manoeuvre may leave of a limit, or exceed it by until the manoeuvre is made smaller.
+const ROOM: f64 = 0.005;
+/// Longest reach, sigma: beyond lies less than a hundredth of the share that is allowed, where a limit is a plane.
+const MOST_REACH: f64 = 4.8;
+/// Distance, in sigma of the prior, of two vehicles that are one.
+const SAME: f64 = 0.1;
 /// Largest number of rounds that each add the vehicles that exceed a limit most.
 const ROUNDS: usize = 8;
+/// The same of a robust design, after the rounds of the nominal one.
+const ROBUST_ROUNDS: usize = 3;
 /// Factors on a manoeuvre that exceeds a limit for some vehicle.
-const SHARES: [f64; 16] = [
+const SHARES: [f64; 20] = [
     1.0, 0.9995, 0.998, 0.995, 0.99, 0.98, 0.97, 0.96, 0.94, 0.92, 0.9, 0.85, 0.8, 0.7, 0.6, 0.5,
+    0.4, 0.3, 0.2, 0.1,
 ];
 /// Tolerance on a limit, relative: the integration error.
 const HELD: f64 = 1.0e-6;
-/// First random stream of the vehicles that check margins; lower streams belong to robust designs.
-const MARGIN_STREAM: u64 = 1 << 32;
+/// Seed of the vehicles that check the limits, beside that of the search.
+const MARGIN_SEED: u64 = 1 << 32;
 
-/// How far a manoeuvre goes towards one watched limit, relative to it; positive beyond.
+/// What a manoeuvre uses of the limits.
 #[derive(Debug, Clone)]
+pub(crate) struct Uses {
+    /// Every limit.
+    pub limits: Vec<LimitUseFile>,
+    /// Share of the vehicles of the prior that exceed some limit; `None` without a prior or such a limit.
+    pub share_beyond: Option<f64>,
+}
+
+impl Uses {
+    /// Whether every limit holds, up to `slack`.
+    pub fn hold(&self, slack: f64) -> bool {
+        let allowed = self.share_beyond.is_none_or(|share| share <= ALLOWED);
+        allowed && self.limits.iter().all(|u| u.margin >= -slack)
+    }
+}
+
+/// How far a manoeuvre goes towards the watched limits.
 struct Nearest {
-    /// Value of the nominal vehicle that is nearest to the limit.
+    /// Of the nominal vehicle.
+    limits: Vec<OfNominal>,
+    /// Of those of the prior, for every window of every limit.
+    prior: Option<Reliability>,
+}
+
+/// How far the nominal vehicle goes towards a limit, relative to it; positive beyond.
+#[derive(Debug, Clone, Copy)]
+struct OfNominal {
+    /// Value that is nearest to the limit.
     value: f64,
-    /// The nominal vehicle, on a grid finer than the rows.
-    nominal: f64,
+    /// On a grid finer than the rows.
+    beyond: f64,
     /// What that grid shows beyond the rows.
     between: f64,
-    /// In each part of the manoeuvre, the worst of the vehicles of the prior, and its number.
-    worst: [Option<(f64, u64)>; WINDOWS_EACH],
 }
 
 impl Nearest {
-    /// The largest, values between rows included.
-    fn beyond(&self) -> f64 {
-        let worst = self.worst.iter().flatten().map(|w| w.0 + self.between);
-        worst.fold(self.nominal, f64::max)
+    /// The vehicles of the prior that go furthest, in each window of a limit.
+    fn windows(&self, limit: usize) -> &[Point] {
+        let all = self.prior.as_ref();
+        let own = all.and_then(|p| p.furthest.chunks(WINDOWS_EACH).nth(limit));
+        own.unwrap_or_default()
     }
 
-    /// The vehicles that exceed the limit most in some part of the manoeuvre.
-    fn critical(&self) -> Vec<u64> {
-        let worst = self.worst.iter().flatten();
-        let beyond = worst.filter(|w| w.0 + self.between > HELD);
-        beyond.map(|w| w.1).collect()
+    /// The largest excess over a limit, of the nominal vehicle and of all but [`ALLOWED`](crate::reliability::ALLOWED) of the others.
+    fn beyond(&self, limit: usize) -> f64 {
+        let tail = self.prior.as_ref().map_or(f64::INFINITY, |p| p.tail);
+        let excess = |(k, point): (usize, &Point)| point.beyond[limit * WINDOWS_EACH + k].min(tail);
+        let all = self.windows(limit).iter().enumerate().map(excess);
+        all.fold(self.limits[limit].beyond, f64::max)
+    }
+
+    /// The vehicles that exceed a limit in some window.
+    fn critical(&self, limit: usize) -> Vec<Vec<f64>> {
+        let first = limit * WINDOWS_EACH;
+        let windows = self.windows(limit).iter().enumerate();
+        let beyond = windows.filter(|(window, point)| point.beyond[first + window] > HELD);
+        beyond.map(|(_, point)| point.z.clone()).collect()
+    }
+
+    /// Whether the nominal vehicle and all but [`ALLOWED`](crate::reliability::ALLOWED) of the others hold the limits, and not much
+    /// more is left than that where vehicles of the prior bound the manoeuvre.
+    fn fits(&self, is_bound: bool) -> bool {
+        let least = if is_bound { -ROOM } else { f64::NEG_INFINITY };
+        let of_prior = |p: &Reliability| (least..=ROOM).contains(&p.tail);
+        self.limits.iter().all(|n| n.beyond <= HELD) && self.prior.as_ref().is_none_or(of_prior)
+    }
+}
+
+/// The vehicles of the prior, flying one manoeuvre.
+struct Flying<'q> {
+    question: &'q Question,
+    prior: Prior<'q>,
+    scenario: Scenario,
+    /// Of every limit, what the rows do not show.
+    between: Vec<f64>,
+}
+
+impl Fleet for Flying<'_> {
+    fn len(&self) -> usize {
+        self.prior.len()
+    }
+
+    fn is_possible(&self, z: &[f64]) -> bool {
+        self.prior.is_physical(z)
+    }
+
+    fn beyond(&self, z: &[f64]) -> Result<Vec<f64>, Error> {
+        let vehicle = self.prior.vehicle(z);
+        let vehicle = vehicle.as_ref().unwrap_or(&self.question.model);
+        let course = self.question.course(vehicle, &self.scenario)?;
+        let mut windows = course.windows(&self.question.watch);
+        for (own, between) in windows.chunks_mut(WINDOWS_EACH).zip(&self.between) {
+            own.iter_mut().for_each(|w| *w += between);
+        }
+        Ok(windows)
+    }
+}
+
+impl Question {
+    /// Adds a vehicle of the prior that must hold a limit, unless the same one has to. Whether it was added.
+    fn must_hold(&mut self, limit: usize, z: Vec<f64>) -> bool {
+        let distance = |c: &Critical| {
+            c.z.iter()
+                .zip(&z)
+                .map(|(a, b)| (a - b).powi(2))
+                .sum::<f64>()
+        };
+        let same = |c: &Critical| c.limit == limit && distance(c) < SAME * SAME;
+        let vehicle = match self.critical.iter().any(same) {
+            true => None,
+            false => Prior::new(&self.model).vehicle(&z),
+        };
+        let Some(model) = vehicle else { return false };
+        self.critical.push(Critical { model, z, limit });
+        true
+    }
+
+    /// Vehicles further from the nominal one must hold the limits, or nearer ones; those that had to follow.
+    fn change_reach(&mut self, by: f64) {
+        let by = (by * self.reach).min(MOST_REACH) / self.reach;
+        self.reach *= by;
+        let prior = Prior::new(&self.model);
+        for critical in &mut self.critical {
+            let z: Vec<f64> = critical.z.iter().map(|z| by * z).collect();
+            if let Some(model) = prior.vehicle(&z) {
+                (critical.model, critical.z) = (model, z);
+            }
+        }
     }
 }
 
@@ -66,16 +176,17 @@ impl Asked<'_> {
         space: &Space,
         reached: &mut Reached,
     ) -> Result<(), Error> {
-        for _ in 0..ROUNDS {
-            if question.watch.watched.is_empty() || !self.tightened(question, space, &reached.x)? {
+        let (rounds, part) = match question.vehicles.is_empty() {
+            true => (ROUNDS, self.design.evaluations / ROUNDS),
+            false => (ROBUST_ROUNDS, self.design.evaluations / ROBUST_PART),
+        };
+        for _ in 0..rounds {
+            if !self.tightened(question, space, &reached.x)? {
                 break;
             }
+            self.follow_the_worst(question, space, &reached.x);
             let program = Program::last(question, space);
             let shorter = SHARES.map(|share| reached.x.iter().map(|x| share * x).collect());
-            let part = match question.vehicles.is_empty() {
-                true => self.design.evaluations / ROUNDS,
-                false => self.design.evaluations / ROBUST_PART,
-            };
             let mut budget = part.max(FEW_STEPS * (space.len() + 2));
             let from = evaluated(&program, shorter.to_vec(), &mut budget);
             let Some(from) = from.first().map(|search| &search.reached.x) else {
@@ -89,35 +200,30 @@ impl Asked<'_> {
         Ok(())
     }
 
-    /// Adds what this manoeuvre lacks to hold the limits: critical vehicles, and margins for values between rows and for what
-    /// the search did not resolve. Whether anything was added.
+    /// Adds what this manoeuvre lacks to hold the limits: critical vehicles, and margins for values between rows and for what the
+    /// search did not resolve; their reach follows the share that exceeds a limit. Whether anything was added.
     fn tightened(&self, question: &mut Question, space: &Space, x: &[f64]) -> Result<bool, Error> {
         let nearest = self.nearest(question, space, x)?;
-        let is_beyond = |n: &Nearest| n.beyond() > HELD;
-        for (limit, found) in nearest.iter().enumerate().filter(|(_, n)| is_beyond(n)) {
-            let mut is_new = false;
-            for number in found.critical() {
-                let same = |c: &Critical| c.limit == limit && c.number == number;
-                if !question.critical.iter().any(same) {
-                    is_new = true;
-                    question.critical.push(Critical {
-                        model: self.of_prior(number),
-                        number,
-                        limit,
-                    });
-                }
+        if nearest.fits(!question.critical.is_empty()) {
+            return Ok(false);
+        }
+        for (limit, nominal) in nearest.limits.iter().enumerate() {
+            let new = nearest.critical(limit).into_iter();
+            let new = new.map(|z| question.must_hold(limit, z));
+            let is_new = new.fold(false, |any, new| any | new);
+            let (beyond, margin) = (nearest.beyond(limit), &mut question.margins[limit]);
+            if beyond > HELD {
+                *margin = match is_new || nominal.between > *margin {
+                    true => margin.max(nominal.between),
+                    false => *margin + beyond,
+                };
             }
-            let margin = &mut question.margins[limit];
-            *margin = match is_new || found.between > *margin {
-                true => margin.max(found.between),
-                false => *margin + found.beyond(),
-            };
         }
-        let added = nearest.iter().any(is_beyond);
-        if added {
-            question.forget_best();
+        if let Some(prior) = &nearest.prior {
+            question.change_reach(prior.reach_factor);
         }
-        Ok(added)
+        question.forget_best();
+        Ok(true)
     }
 
     /// The manoeuvre, or its largest fraction in [`SHARES`] that holds every limit on the fine grid, and its uses.
@@ -125,12 +231,13 @@ impl Asked<'_> {
         &self,
         question: &Question,
         space: &Space,
-        x: Vec<f64>,
-    ) -> Result<(Vec<f64>, Vec<LimitUseFile>), Error> {
+        found: &Found,
+    ) -> Result<(Vec<f64>, Uses), Error> {
+        let x = space.drawn_inside(found.reached.x.clone());
         for share in SHARES {
             let nearer: Vec<f64> = x.iter().map(|x| share * x).collect();
             let uses = self.uses(question, space, &nearer)?;
-            if uses.iter().all(|u| u.margin >= -HELD) {
+            if uses.hold(HELD) {
                 return Ok((nearer, uses));
             }
         }
@@ -138,20 +245,15 @@ impl Asked<'_> {
         Ok((x, uses))
     }
 
-    /// A vehicle that checks the limits.
-    fn of_prior(&self, number: u64) -> Model {
-        drawn(self.model, self.design.seed, MARGIN_STREAM + number)
-    }
-
     /// How far the manoeuvre goes towards each watched limit, by the vehicles of the prior as well.
-    fn nearest(
-        &self,
-        question: &Question,
-        space: &Space,
-        x: &[f64],
-    ) -> Result<Vec<Nearest>, Error> {
-        let Some(scenario) = question.scenario(space, x) else {
-            return Ok(Vec::new());
+    fn nearest(&self, question: &Question, space: &Space, x: &[f64]) -> Result<Nearest, Error> {
+        let mut nearest = Nearest {
+            limits: Vec::new(),
+            prior: None,
+        };
+        let scenario = question.scenario(space, x);
+        let Some(scenario) = scenario.filter(|_| !question.watch.watched.is_empty()) else {
+            return Ok(nearest);
         };
         let mut case = self.case.clone();
         case.duration_s = space.record();
@@ -161,62 +263,44 @@ impl Asked<'_> {
             let course = question.course(self.model, scenario)?;
             Ok(course.worst(&question.watch))
         };
-        let mut all: Vec<Nearest> = of(&dense)?
-            .into_iter()
-            .zip(of(&scenario)?)
-            .map(merged)
-            .collect();
-        let numbers = if has_prior(self.model) { VEHICLES } else { 0 };
-        let flights: Result<Vec<_>, Error> = (0..numbers)
-            .into_par_iter()
-            .map(|number| {
-                let course = question.course(&self.of_prior(number), &scenario)?;
-                Ok((number, course.windows(&question.watch)))
-            })
-            .collect();
-        for (number, flight) in flights? {
-            for (own, windows) in all.iter_mut().zip(flight.chunks(WINDOWS_EACH)) {
-                for (worst, beyond) in own.worst.iter_mut().zip(windows) {
-                    if worst.is_none_or(|w| *beyond > w.0) {
-                        *worst = Some((*beyond, number));
-                    }
-                }
-            }
+        let (fine, rows) = (of(&dense)?, of(&scenario)?);
+        let nominal = fine.into_iter().zip(rows).map(|(fine, rows)| OfNominal {
+            value: fine.0,
+            beyond: fine.1,
+            between: (fine.1 - rows.1).max(0.0),
+        });
+        nearest.limits = nominal.collect();
+        if has_prior(self.model) {
+            let flying = Flying {
+                question,
+                prior: Prior::new(self.model),
+                scenario,
+                between: nearest.limits.iter().map(|n| n.between).collect(),
+            };
+            let seed = self.design.seed ^ MARGIN_SEED;
+            nearest.prior = Some(Reliability::of(&flying, (question.reach, HELD), seed)?);
         }
-        Ok(all)
+        Ok(nearest)
     }
 
     /// Use of every limit, by the vehicles of the prior as well, on a finer grid than in the search.
     ///
     /// # Errors
     /// A vehicle cannot fly the manoeuvre.
-    pub fn uses(
-        &self,
-        question: &Question,
-        space: &Space,
-        x: &[f64],
-    ) -> Result<Vec<LimitUseFile>, Error> {
-        let mut all = linear_uses(self.model, space, x);
-        if question.watch.watched.is_empty() {
-            return Ok(all);
-        }
-        let watched = question.watch.watched.iter();
+    fn uses(&self, question: &Question, space: &Space, x: &[f64]) -> Result<Uses, Error> {
+        let mut limits = linear_uses(self.model, space, x);
         let nearest = self.nearest(question, space, x)?;
-        // A plume has no value if its thruster never fires.
-        let known = watched.zip(nearest).filter(|(_, n)| n.value.is_finite());
-        all.extend(known.map(|(w, n)| {
-            LimitUseFile::new(w.what.clone(), w.unit, n.value, w.limit, -n.beyond())
-        }));
-        Ok(all)
-    }
-}
-
-/// Value and excess of one limit on the fine grid and on the rows.
-fn merged((fine, rows): ((f64, f64), (f64, f64))) -> Nearest {
-    Nearest {
-        value: fine.0,
-        nominal: fine.1,
-        between: (fine.1 - rows.1).max(0.0),
-        worst: [None; WINDOWS_EACH],
+        let of = |(k, w): (usize, &Watched)| {
+            let value = nearest.limits.get(k)?.value;
+            let margin = -nearest.beyond(k);
+            // A plume has no value if its thruster never fires.
+            let known = value.is_finite();
+            known.then(|| LimitUseFile::new(w.what.clone(), w.unit, value, w.limit, margin))
+        };
+        limits.extend(question.watch.watched.iter().enumerate().filter_map(of));
+        Ok(Uses {
+            limits,
+            share_beyond: nearest.prior.as_ref().map(Reliability::share),
+        })
     }
 }

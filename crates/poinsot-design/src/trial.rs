@@ -1,6 +1,7 @@
 //! One candidate manoeuvre, flown by the nominal vehicle or by vehicles of the prior: its information and limits.
 
 use crate::progress::{BestSoFar, Progress};
+use crate::reliability::REACH;
 use crate::shape::{Space, linear_uses};
 use crate::vehicles::drawn;
 use crate::watch::{Course, WINDOWS_EACH, Watch};
@@ -15,6 +16,7 @@ use poinsot_identify::{Information, WantedTerm};
 use poinsot_model::Model;
 use poinsot_solve::{Minimax, Values};
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
@@ -39,8 +41,9 @@ const SCENARIOS: u64 = 256;
 /// Number of other vehicles by which a robust design is judged, and their first random stream.
 const OTHERS: u64 = 1000;
 const OTHERS_STREAM: u64 = 1 << 34;
-/// Fraction of the worst scenarios whose mean a robust design minimises.
+/// Fraction of the worst scenarios whose mean a robust design minimises, and the fraction that it flies between two looks at all.
 const TAIL: f64 = 0.1;
+const NEAR_TAIL: f64 = 0.25;
 
 /// The design problem by which a manoeuvre is evaluated.
 pub struct Question {
@@ -60,9 +63,11 @@ pub struct Question {
     pub margins: Vec<f64>,
     /// Vehicles of the prior that exceed a watched limit first. Each must hold it in every candidate.
     pub critical: Vec<Critical>,
+    /// Distance of such vehicles from the nominal one, in sigma of the prior.
+    pub reach: f64,
     /// What the whole prediction adds to each objective of a candidate.
     pub surcharge: Vec<f64>,
-    /// Vehicles whose worst tenth is the objective; empty if it is the nominal vehicle.
+    /// Vehicles of a robust design that hold its worst tenth, which is the objective; empty if it is the nominal vehicle.
     pub vehicles: Vec<Model>,
     /// Time at which the search stops, last steps included.
     pub deadline: Option<Deadline>,
@@ -97,8 +102,8 @@ impl Deadline {
 pub struct Critical {
     /// The vehicle.
     pub model: Model,
-    /// Its number among the vehicles that check the limits.
-    pub number: u64,
+    /// Its standard normal numbers.
+    pub z: Vec<f64>,
     /// Index of the limit.
     pub limit: usize,
 }
@@ -135,6 +140,7 @@ impl Question {
             scenario,
             margins: vec![0.0; watch.watched.len()],
             critical: Vec::new(),
+            reach: REACH,
             surcharge: vec![0.0; wants.len()],
             model,
             wants,
@@ -252,28 +258,45 @@ impl Question {
         }
     }
 
-    /// Worst tenth of these vehicles: mean of the logarithm of their largest ratios; `None` if one cannot fly.
-    fn over(&self, vehicles: &[Model], scenario: &Scenario) -> Option<f64> {
+    /// The logarithm of the largest ratio of each of these vehicles; `None` if one cannot fly.
+    fn ratios(&self, vehicles: &[Model], scenario: &Scenario) -> Option<Vec<f64>> {
         let one = |m: &Model| {
             let flight = self.fly(m, scenario.clone()).ok()?;
             let worst = self.objectives(&flight.covariance);
             Some(worst.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b)))
         };
-        let all: Option<Vec<f64>> = vehicles.par_iter().map(one).collect();
-        Some(tail_mean(all?))
+        vehicles.par_iter().map(one).collect()
     }
 
-    /// Vehicles of a robust design.
-    pub fn scenarios(&self) -> Vec<Model> {
-        let one = |k| drawn(&self.model, self.design.seed, k);
-        (0..SCENARIOS).map(one).collect()
+    /// The vehicles of a robust design that do worst in this manoeuvre, enough for its worst tenth and those that may become it.
+    pub fn worst_scenarios(&self, space: &Space, x: &[f64]) -> Option<Vec<Model>> {
+        let all = self.drawn(0..SCENARIOS);
+        let ratios = self.ratios(&all, &self.scenario(space, x)?)?;
+        let mut ranked: Vec<(f64, Model)> = ratios.into_iter().zip(all).collect();
+        ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+        ranked.truncate((NEAR_TAIL * SCENARIOS as f64) as usize);
+        Some(ranked.into_iter().map(|r| r.1).collect())
+    }
+
+    /// The worst tenth of all vehicles of a robust design.
+    pub fn over_scenarios(&self, space: &Space, x: &[f64]) -> Option<f64> {
+        self.over(0..SCENARIOS, space, x)
     }
 
     /// The worst tenth of vehicles that no search has seen.
     pub fn over_others(&self, space: &Space, x: &[f64]) -> Option<f64> {
-        let one = |k| drawn(&self.model, self.design.seed, OTHERS_STREAM + k);
-        let others: Vec<Model> = (0..OTHERS).map(one).collect();
-        self.over(&others, &self.scenario(space, x)?)
+        self.over(OTHERS_STREAM..OTHERS_STREAM + OTHERS, space, x)
+    }
+
+    fn over(&self, numbers: Range<u64>, space: &Space, x: &[f64]) -> Option<f64> {
+        let vehicles = self.drawn(numbers);
+        let ratios = self.ratios(&vehicles, &self.scenario(space, x)?)?;
+        Some(tail_mean(ratios, TAIL * vehicles.len() as f64))
+    }
+
+    fn drawn(&self, numbers: Range<u64>) -> Vec<Model> {
+        let one = |k| drawn(&self.model, self.design.seed, k);
+        numbers.map(one).collect()
     }
 
     /// Objectives and limits of the minimax program at these free numbers.
@@ -283,7 +306,8 @@ impl Question {
         let flight = self.fly(&self.model, scenario.clone()).ok()?;
         let mut objectives = self.objectives(&flight.covariance);
         if !self.vehicles.is_empty() {
-            objectives = vec![self.over(&self.vehicles, &scenario)?];
+            let ratios = self.ratios(&self.vehicles, &scenario)?;
+            objectives = vec![tail_mean(ratios, TAIL * SCENARIOS as f64)];
         }
         let mut limits = flight.course.windows(&self.watch);
         for critical in &self.critical {
@@ -334,14 +358,13 @@ fn thinned((case, duration): (&Case, f64), model: &Model, design: &Design) -> f6
     (duration * case.rate_hz / rows).floor().max(1.0)
 }
 
-/// Mean of the worst fraction: conditional value at risk (Rockafellar and Uryasev 2000).
-pub fn tail_mean(mut all: Vec<f64>) -> f64 {
+/// Mean of the worst `count`: conditional value at risk (Rockafellar and Uryasev 2000).
+fn tail_mean(mut all: Vec<f64>, count: f64) -> f64 {
     all.sort_by(|a, b| b.total_cmp(a));
-    let share = TAIL * all.len() as f64;
-    let whole = share.floor() as usize;
-    let part = share - whole as f64;
+    let whole = count.floor() as usize;
+    let part = count - whole as f64;
     let sum: f64 = all.iter().take(whole).sum();
-    (sum + part * all.get(whole).copied().unwrap_or(0.0)) / share.max(f64::MIN_POSITIVE)
+    (sum + part * all.get(whole).copied().unwrap_or(0.0)) / count
 }
 
 /// The design problem in one space of free numbers.

@@ -1,6 +1,7 @@
 //! Trial flights of a designed manoeuvre. Each has a vehicle of the prior and new sensor noise; its error is compared
 //! with the predicted sigma.
 
+use crate::reliability::ALLOWED;
 use crate::trial::Question;
 use crate::vehicles::drawn;
 use crate::watch::fine_times;
@@ -78,12 +79,24 @@ pub(crate) fn verify(
     let held = numbers.iter().all(|n| band.holds(n.rms_ratio));
     Ok(DesignVerificationFile {
         flights,
-        // Margins cover 99 % of the prior.
-        agrees: held && failed.is_empty() && 100 * limits_broken <= flights,
+        agrees: held && failed.is_empty() && limits_broken <= expected_at_most(flights),
         failed,
         numbers,
         limits_broken,
     })
+}
+
+/// Largest number of flights beyond a limit that chance gives with a probability of 1 % or more, where the limits hold for all but
+/// [`ALLOWED`] of the vehicles (Poisson).
+fn expected_at_most(flights: u64) -> u64 {
+    let mean = ALLOWED * flights as f64;
+    let (mut term, mut below, mut count) = ((-mean).exp(), 0.0, 0);
+    while below + term < 0.99 {
+        below += term;
+        count += 1;
+        term *= mean / count as f64;
+    }
+    count
 }
 
 fn flight(case: &Case, question: &Question, k: u64) -> Outcome {

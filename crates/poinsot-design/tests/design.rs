@@ -6,9 +6,11 @@ use poinsot::predict::{predict_case, wanted_sigma};
 use poinsot::simulate::run;
 use poinsot::write_report;
 use poinsot_design::{BestSoFar, DesignRequest, Designed, design_case, drawn, write_design};
+use poinsot_dynamics::MotionSample;
 use poinsot_formats::{DesignedNumberFile, FrontPointFile};
 use poinsot_model::{Model, parse_model, read_model};
 use poinsot_testkit::vehicles::ModelText;
+use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
@@ -182,52 +184,173 @@ fn prop_the_same_bits_on_one_thread_and_on_three() {
     assert_eq!(with(1), with(3));
 }
 
-#[test]
-fn prop_vehicles_of_the_prior_hold_the_limits_that_depend_on_them() {
-    let (case, model) = boxed("body_rate_rad_s = 0.04", 1.0e-3);
-    let found = designed(&case, &model);
-    let flown = poinsot_design::manoeuvre_case(&found, Path::new("")).unwrap();
-    let mut broken = 0;
-    for k in 0..300 {
-        let vehicle = drawn(&model, 99, k);
-        let scenario = flown.bind(&vehicle).unwrap();
-        let mut largest = 0.0_f64;
-        run(&flown, &vehicle, None, &scenario, |sample| {
-            largest = largest.max(sample.w_NB_B.norm() / 0.04);
-            for torque in &sample.wheel_torque {
-                largest = largest.max(torque.abs() / 0.05);
-            }
-            true
-        })
-        .unwrap();
-        broken += u32::from(largest > 1.0);
-    }
-    // 99 % of the prior: of 300, at most 9 with a probability of 99.7 %.
-    assert!(broken <= 9, "{broken}");
-    let body = found
-        .file
-        .limits
-        .iter()
-        .find(|l| l.what == "body rate")
-        .unwrap();
-    assert!(body.value < 0.04 && body.value > 0.03, "{body:?}");
+/// Largest use of a limit in a flight of a drawn vehicle, on a grid five times finer than its samples.
+fn largest_use(flown: &Case, vehicle: &Model, uses: impl Fn(&MotionSample) -> f64) -> f64 {
+    let mut fine = flown.clone();
+    fine.rate_hz *= 5.0;
+    let mut scenario = flown.bind(vehicle).unwrap();
+    scenario.times = fine.times();
+    let mut largest = 0.0_f64;
+    run(flown, vehicle, None, &scenario, |sample| {
+        largest = largest.max(uses(sample));
+        true
+    })
+    .unwrap();
+    largest
 }
 
-/// Two minutes on one core: each evaluation flies 256 vehicles.
+/// Of 10,000 drawn vehicles at most 4 exceed a limit, and the largest comes near it.
+fn is_held_by_the_prior(name: &str, case: &Case, model: &Model, uses: fn(&MotionSample) -> f64) {
+    let found = designed(case, model);
+    let flown = poinsot_design::manoeuvre_case(&found, Path::new("")).unwrap();
+    let flight = |k| largest_use(&flown, &drawn(model, 99, k), uses);
+    let mut all: Vec<f64> = (0..10_000).into_par_iter().map(flight).collect();
+    all.sort_by(f64::total_cmp);
+    let broken = all.iter().filter(|l| **l > 1.0).count();
+    let share = found.file.share_beyond_limits.unwrap();
+    println!(
+        "{name}: {broken} of 10,000 beyond, {share:.2e} stated, largest {:.4}, median {:.4}",
+        all[9_999], all[5_000]
+    );
+    assert!(broken <= 4 && share <= 1.0e-4, "{name}: {broken}");
+    assert!(all[9_999] > 0.95, "{name}: {}", all[9_999]);
+}
+
+fn box_is_held(sigma: f64) {
+    let (case, mut model) = boxed("body_rate_rad_s = 0.04", 1.0e-3);
+    model.bodies[0].prior.as_mut().unwrap().inertia = Some(sigma);
+    is_held_by_the_prior(&format!("box, {sigma} kg m2"), &case, &model, |sample| {
+        let torques = sample.wheel_torque.iter().map(|t| t.abs() / 0.05);
+        torques.fold(sample.w_NB_B.norm() / 0.04, f64::max)
+    });
+}
+
 #[test]
-fn stat_a_robust_design_is_better_than_the_nominal_one_for_vehicles_that_it_has_not_seen() {
-    let search = "evaluations = 2400\nrobust = true";
-    let (case, mut model) = searched("body_rate_rad_s = 0.04", 1.0e-3, search);
-    model.bodies[0].prior.as_mut().unwrap().inertia = Some(0.3);
-    let found = designed(&case, &model);
-    let file = &found.file;
-    let searched = file.robust_log_ratio.unwrap();
-    let others = file.robust_log_ratio_others.unwrap();
-    let nominal = file.nominal_log_ratio_others.unwrap();
-    println!("searched {searched:.3}, others {others:.3}, nominal {nominal:.3}");
-    assert!(others < nominal, "{others} {nominal}");
-    // The vehicles of the search stand for a thousand others.
-    assert!((others - searched).abs() < 0.1, "{others} {searched}");
+fn prop_all_but_four_of_10_000_boxes_hold_their_limits() {
+    box_is_held(0.1);
+}
+
+/// A prior of a seventh of the smallest moment, which many draws exceed towards what is not physical.
+#[test]
+fn prop_all_but_four_of_10_000_boxes_of_a_wide_prior_hold_their_limits() {
+    box_is_held(0.3);
+}
+
+/// 10,000 flights are half a minute.
+#[test]
+fn prop_all_but_four_of_10_000_payloads_hold_the_torques_of_the_arm() {
+    let (case, model) = carried();
+    is_held_by_the_prior("payload", &case, &model, |sample| {
+        let efforts = sample.motor_force.iter().map(|f| f.abs() / 1.5);
+        efforts.fold(sample.w_NB_B.norm() / 0.02, f64::max)
+    });
+}
+
+/// A payload of which ten numbers are guessed, on an arm of two joints whose torques are limited.
+fn carried() -> (Case, Model) {
+    let arm = "axis = [0.0, 0.0, 1.0]";
+    let model = ModelText::new("arm with payload")
+        .body(
+            "bus",
+            300.0,
+            [0.0; 3],
+            [60.0, 70.0, 80.0, 0.0, 0.0, 0.0],
+            "",
+        )
+        .body(
+            "link",
+            8.0,
+            [0.5, 0.0, 0.0],
+            [0.05, 0.7, 0.7, 0.0, 0.0, 0.0],
+            "",
+        )
+        .body(
+            "payload",
+            60.0,
+            [0.4, 0.1, 0.0],
+            [6.0, 7.0, 8.0, 0.2, 0.0, 0.1],
+            "estimate = true\nprior = { mass_kg = 6.0, com_m = 0.05, inertia_kg_m2 = 0.8 }",
+        )
+        .joint(
+            ("shoulder", "revolute"),
+            ["bus", "link"],
+            [0.6, 0.0, 0.0],
+            arm,
+        )
+        .joint(
+            ("elbow", "revolute"),
+            ["link", "payload"],
+            [1.0, 0.0, 0.0],
+            "axis = [0.0, 0.6, 0.8]",
+        )
+        .sensor("gyro", "gyro", "noise_rad_s = 2.0e-5")
+        .sensor("tracker", "attitude", "noise_rad = 5.0e-5")
+        .sensor("position", "position", "noise_m = 0.001")
+        .sensor("joints", "joint_position", "noise_rad = 1.0e-5")
+        .text();
+    let text = r#"
+schema = "poinsot.case/1"
+model = "arm.toml"
+duration_s = 40.0
+[initial]
+momentum_zero = true
+[output]
+rate_hz = 5
+[[want]]
+number = "payload.mass_kg"
+relative = 0.01
+[[want]]
+number = "payload.com_m"
+sigma = 0.005
+[limits]
+body_rate_rad_s = 0.02
+[[limits.joint]]
+position_rad = [-1.2, 1.2]
+rate_rad_s = 0.4
+torque_N_m = 1.5
+[design]
+starts = 2
+evaluations = 800
+[[design.joint]]
+form = "spline"
+nodes = 7
+"#;
+    let case = parse_case(Path::new("arm_case.toml"), text.to_owned()).unwrap();
+    (case, parse_model(&model, "arm.toml").unwrap())
+}
+
+/// A robust design is not worse than the one for the nominal vehicle, for vehicles that neither search nor choice has seen, and states
+/// how it does there. A minute on two cores: each evaluation flies the worst 64 of 256 vehicles.
+#[test]
+fn stat_a_robust_design_is_not_worse_than_the_nominal_one_for_vehicles_that_it_has_not_seen() {
+    let worst_tenth = |found: &Designed, model: &Model| {
+        let flown = poinsot_design::manoeuvre_case(found, Path::new("")).unwrap();
+        let ratio = |k: u64| {
+            let mut vehicle = drawn(model, 77, k);
+            vehicle.bodies[0].prior = None;
+            let found_of = predict_case(&flown, vehicle, 1.0).unwrap().wants;
+            let pairs = found_of.iter().zip(&found.file.wants);
+            let ratios = pairs.map(|(w, nominal)| w.sigma.unwrap() / nominal.wanted_sigma);
+            ratios.fold(0.0, f64::max).ln()
+        };
+        let mut all: Vec<f64> = (0..400).into_par_iter().map(ratio).collect();
+        all.sort_by(f64::total_cmp);
+        all[360..].iter().sum::<f64>() / 40.0
+    };
+    let design = |robust: &str| {
+        let search = format!("evaluations = 1200\n{robust}");
+        let (case, mut model) = searched("", 1.0e-3, &search);
+        model.bodies[0].prior.as_mut().unwrap().inertia = Some(0.3);
+        (designed(&case, &model), model)
+    };
+    let ((robust, model), (nominal, _)) = (design("robust = true"), design(""));
+    let [own, other] = [&robust, &nominal].map(|found| worst_tenth(found, &model));
+    let file = &robust.file;
+    let of_robust = file.robust_log_ratio_others.unwrap();
+    let stated = of_robust.min(file.nominal_log_ratio_others.unwrap());
+    println!("robust {own:.3}, nominal {other:.3}, stated {stated:.3}");
+    assert!(own < other + 0.02, "{own} {other}");
+    assert!((own - stated).abs() < 0.1, "{own} {stated}");
 }
 
 #[test]

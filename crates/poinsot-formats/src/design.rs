@@ -36,19 +36,23 @@ pub struct DesignFile {
     pub shorter: Option<ShorterFile>,
     /// Largest ratio of predicted to wanted sigma; null if a wanted number is not identifiable.
     pub worst_ratio: Option<f64>,
-    /// Mean of the worst tenth of ln(largest ratio) over the vehicles of the prior, of a robust design.
+    /// Mean of the worst tenth of ln(largest ratio) over the vehicles of the prior that a robust design follows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub robust_log_ratio: Option<f64>,
-    /// The same over a thousand other vehicles.
+    /// The same over a thousand other vehicles, of the manoeuvre of the robust search. The better of the two is the answer.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub robust_log_ratio_others: Option<f64>,
-    /// The same over these with the best manoeuvre for the nominal vehicle.
+    /// The same of the best manoeuvre for the nominal vehicle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nominal_log_ratio_others: Option<f64>,
     /// Wanted numbers, in the order of the case.
     pub wants: Vec<DesignedNumberFile>,
     /// Use of every limit.
     pub limits: Vec<LimitUseFile>,
+    /// Share of the vehicles of the prior that exceed some limit, upper end of its estimate; at most 1e-4 is allowed. Absent without a
+    /// prior or a limit that depends on the vehicle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub share_beyond_limits: Option<f64>,
     /// Effect of relaxed limits, if a wanted sigma is not reached.
     pub relaxed: Vec<RelaxedFile>,
     /// What one or two kinds of limits, tighter and looser, would give, where it was requested.
@@ -180,7 +184,7 @@ pub struct DesignVerificationFile {
     pub numbers: Vec<VerifiedNumberFile>,
     /// Flights in which a limit was broken.
     pub limits_broken: u64,
-    /// Whether every ratio is in its band, no flight failed, and at most one in a hundred broke a limit.
+    /// Whether every ratio is in its band, no flight failed, and so few broke a limit that one in 10,000 may be expected to.
     pub agrees: bool,
 }
 
