@@ -1,10 +1,9 @@
 //! From a case to a designed manoeuvre.
 
 use crate::interrupt::Listening;
-use crate::margins::Uses;
 use crate::mover::{Command, Target};
 use crate::progress::{Progress, Told};
-use crate::result::{Designed, REACHED};
+use crate::result::{Designed, REACHED, Uses};
 use crate::search::{Found, refine, refine_unless, search};
 use crate::shape::Space;
 use crate::trial::{Deadline, Question, SURE};

@@ -1,7 +1,8 @@
 //! Use of the limits by a manoeuvre, and the vehicles of the prior that must hold them.
 
 use crate::design::{Asked, FEW_STEPS, ROBUST_PART};
-use crate::reliability::{ALLOWED, Fleet, Point, Reliability};
+use crate::reliability::{Fleet, Point, Reliability};
+use crate::result::Uses;
 use crate::search::{Found, evaluated, refine};
 use crate::shape::{Space, linear_uses};
 use crate::trial::{Critical, Program, Question};
@@ -31,23 +32,6 @@ const SHARES: [f64; 20] = [
 const HELD: f64 = 1.0e-6;
 /// Seed of the vehicles that check the limits, beside that of the search.
 const MARGIN_SEED: u64 = 1 << 32;
-
-/// What a manoeuvre uses of the limits.
-#[derive(Debug, Clone)]
-pub(crate) struct Uses {
-    /// Every limit.
-    pub limits: Vec<LimitUseFile>,
-    /// Share of the vehicles of the prior that exceed some limit; `None` without a prior or such a limit.
-    pub share_beyond: Option<f64>,
-}
-
-impl Uses {
-    /// Whether every limit holds, up to `slack`.
-    pub fn hold(&self, slack: f64) -> bool {
-        let allowed = self.share_beyond.is_none_or(|share| share <= ALLOWED);
-        allowed && self.limits.iter().all(|u| u.margin >= -slack)
-    }
-}
 
 /// How far a manoeuvre goes towards the watched limits.
 struct Nearest {

@@ -1,8 +1,9 @@
 //! Result of a design.
 
 use crate::mover::Command;
+use crate::reliability::ALLOWED;
 use poinsot_dynamics::Firing;
-use poinsot_formats::DesignFile;
+use poinsot_formats::{DesignFile, LimitUseFile};
 use poinsot_model::Model;
 
 /// Verdict of a design that reaches every wanted sigma within all limits.
@@ -37,5 +38,22 @@ impl Designed {
     pub fn passes(&self) -> bool {
         let agrees = self.file.verification.as_ref().is_none_or(|v| v.agrees);
         self.file.verdict == REACHED && agrees
+    }
+}
+
+/// What a manoeuvre uses of the limits.
+#[derive(Debug, Clone)]
+pub(crate) struct Uses {
+    /// Every limit.
+    pub limits: Vec<LimitUseFile>,
+    /// Share of the vehicles of the prior that exceed some limit; `None` without a prior or such a limit.
+    pub share_beyond: Option<f64>,
+}
+
+impl Uses {
+    /// Whether every limit holds, up to `slack`.
+    pub fn hold(&self, slack: f64) -> bool {
+        let allowed = self.share_beyond.is_none_or(|share| share <= ALLOWED);
+        allowed && self.limits.iter().all(|u| u.margin >= -slack)
     }
 }
