@@ -68,7 +68,7 @@ pub fn table_document(result: &CampaignFile) -> Document {
 }
 
 /// What tells a method's rows from those of the others; empty if there are none.
-fn label(result: &CampaignFile, cell: &CellFile, method: &MethodResultFile) -> String {
+pub(crate) fn label(result: &CampaignFile, cell: &CellFile, method: &MethodResultFile) -> String {
     let mut words = Vec::new();
     if result.cells.iter().any(|c| c.experiment != cell.experiment) {
         words.push(cell.experiment.clone());

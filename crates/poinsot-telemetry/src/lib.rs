@@ -141,7 +141,7 @@ pub use recognise::{Found, FoundAttitude, Kind, Recognition, recognise};
 pub use resample::{GAP, resample, resample_attitude, resample_hermite};
 pub use rotation::{Axes, Order, Sense};
 pub use row_columns::{RowCells, RowColumn};
-pub use rows::{ROWS_EXTENSION, write_rows};
+pub use rows::{ROWS_EXTENSION, read_rows, write_rows};
 pub use suggest::suggestions;
 pub use unit::{Dimension, STANDARD_GRAVITY, Unit, parse_unit, units};
 pub use writer::{GROUP, RowWriter, write, write_pieces};

@@ -19,12 +19,17 @@ pub(crate) enum Cell {
 }
 
 impl Cell {
+    /// The number, if there is one.
+    pub fn value(self) -> Option<f64> {
+        match self {
+            Self::Number(x) => Some(x),
+            Self::Empty | Self::NotANumber => None,
+        }
+    }
+
     /// The number; NaN for no sample.
     pub fn or_nan(self) -> f64 {
-        match self {
-            Self::Number(x) => x,
-            Self::Empty | Self::NotANumber => f64::NAN,
-        }
+        self.value().unwrap_or(f64::NAN)
     }
 }
 

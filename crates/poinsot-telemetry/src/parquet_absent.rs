@@ -1,12 +1,14 @@
-//! Reading Parquet in a build without the feature `parquet`: an error.
+//! Parquet in a build without the feature `parquet`: an error.
 
 use crate::ReadOptions;
 use crate::bytes::Opened;
 use crate::columns::Columns;
 use crate::error::parquet;
 use crate::plan::Plan;
+use crate::row_columns::RowColumn;
 use crate::selection::WhenFull;
 use poinsot_files::{Faults, Place};
+use std::fs::File;
 use std::path::Path;
 
 /// Error text.
@@ -21,4 +23,14 @@ pub(crate) fn read(
     _: Option<&mut WhenFull>,
 ) -> Result<(Plan, Columns), Faults> {
     Err(parquet(Place::file(path), ABSENT))
+}
+
+/// Returns the error.
+pub(crate) fn read_rows(path: &Path, _: File) -> Result<Vec<RowColumn>, Faults> {
+    Err(parquet(Place::file(path), ABSENT))
+}
+
+/// Returns the error.
+pub(crate) fn write_rows(_: &mut File, _: &[RowColumn]) -> Result<(), &'static str> {
+    Err(ABSENT)
 }

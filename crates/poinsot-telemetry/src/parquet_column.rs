@@ -1,6 +1,7 @@
 //! Columns of a Parquet file: what they hold, and their cells batch by batch.
 
 use crate::number::{Cell, RawCell};
+use crate::row_columns::{RowCells, RowColumn};
 use parquet::basic::{ConvertedType, LogicalType, TimeUnit, Type as Stored};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{ByteArray, DataType, Int96};
@@ -51,6 +52,18 @@ impl Column {
             leaf,
             kind: kind(column)?,
         })
+    }
+
+    /// The same column of rows, without any.
+    pub fn no_rows(&self) -> RowColumn {
+        RowColumn {
+            name: self.name.clone(),
+            cells: match self.kind {
+                Kind::Text => RowCells::Text(Vec::new()),
+                Kind::Unsigned => RowCells::Count(Vec::new()),
+                _ => RowCells::Number(Vec::new()),
+            },
+        }
     }
 }
 
@@ -122,6 +135,27 @@ impl Cells {
             Self::Numbers(_) | Self::Whole(_) => None,
             Self::Instants(..) => Some("timestamp"),
             Self::Texts(_) => Some("text"),
+        }
+    }
+
+    /// Adds the cells to those of the same kind.
+    pub fn append_to(self, rows: &mut RowCells) {
+        match (rows, self) {
+            (RowCells::Number(all), Self::Numbers(cells)) => {
+                all.extend(cells.into_iter().map(Cell::value));
+            }
+            (RowCells::Count(all), Self::Numbers(cells)) => {
+                all.extend(cells.into_iter().map(|c| c.or_nan() as u64));
+            }
+            (RowCells::Text(all), Self::Texts(cells)) => {
+                let text = |cell: &ByteArray| String::from_utf8_lossy(cell.data()).into_owned();
+                all.extend(
+                    cells
+                        .iter()
+                        .map(|c| c.as_ref().map_or_else(String::new, text)),
+                );
+            }
+            _ => {}
         }
     }
 

@@ -12,19 +12,23 @@ use crate::parquet_column::{self, Cells, Column, Kind};
 use crate::parquet_pages::{self, is_mismatch};
 use crate::parquet_seal;
 use crate::plan::{self, Plan};
+use crate::row_columns::RowColumn;
 use crate::selection::WhenFull;
 use crate::size::Rows;
 use parquet::column::reader::ColumnReader;
 use parquet::errors::ParquetError;
 use parquet::file::metadata::ParquetMetaData;
 use parquet::file::reader::{FileReader, RowGroupReader, SerializedFileReader};
-use poinsot_files::{Faults, Place};
+use poinsot_files::{Faults, Place, check_memory};
 use std::collections::BTreeMap;
+use std::fs::File;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 /// Rows decoded at a time.
 const BATCH: usize = 8192;
+/// Memory of a cell of rows, bytes.
+const OF_CELL: f64 = size_of::<String>() as f64;
 
 /// Reads the planned columns of a Parquet file batch by batch.
 pub(crate) fn read(
@@ -34,9 +38,47 @@ pub(crate) fn read(
     repairs: &mut Vec<String>,
     full: Option<&mut WhenFull>,
 ) -> Result<(Plan, Columns), Faults> {
-    let decode = || decode(path, opened, options, repairs, full);
+    guarded(path, || decode(path, opened, options, repairs, full))
+}
+
+/// Reads all columns of a file that [`write_rows`](crate::write_rows) wrote.
+pub(crate) fn read_rows(path: &Path, file: File) -> Result<Vec<RowColumn>, Faults> {
+    guarded(path, || rows(path, file))
+}
+
+fn guarded<T>(path: &Path, decode: impl FnOnce() -> Result<T, Faults>) -> Result<T, Faults> {
     let decoded = catch_unwind(AssertUnwindSafe(decode));
     decoded.unwrap_or_else(|_| Err(refused(path, "the file is damaged (the decoder stopped)")))
+}
+
+fn rows(path: &Path, file: File) -> Result<Vec<RowColumn>, Faults> {
+    let file = Opened::stream(file).map_err(unreadable(path))?.file;
+    let refused = |e: ParquetError| refused(path, e);
+    let reader = SerializedFileReader::new(file.clone()).map_err(refused)?;
+    let metadata = reader.metadata();
+    let schema = metadata.file_metadata().schema_descr();
+    let all = (0..schema.root_schema().get_fields().len()).map(|root| {
+        let column = Column::of(schema, root).map_err(|kind| unsupported(path, "", &kind));
+        Ok((root, column?))
+    });
+    let used = all.collect::<Result<Used, Faults>>()?;
+    let cells = plausible_rows(path, metadata, file.len)? as f64 * used.len() as f64;
+    check_memory(&path.display().to_string(), cells * OF_CELL)?;
+    let leaves: Vec<usize> = used.values().map(|c| c.leaf).collect();
+    if let Some(why) = parquet_pages::excess(&file, metadata, &leaves).map_err(refused)? {
+        return Err(self::refused(path, why));
+    }
+    let mut columns: Vec<RowColumn> = used.values().map(Column::no_rows).collect();
+    for k in 0..metadata.num_row_groups() {
+        let group = reader.get_row_group(k);
+        let group = group.and_then(|g| Group::open(g.as_ref(), &used));
+        let mut group = group.map_err(refused)?;
+        while let Some(batch) = group.next(BATCH).map_err(refused)? {
+            let cells = columns.iter_mut().zip(batch.into_values());
+            cells.for_each(|(column, cells)| cells.append_to(&mut column.cells));
+        }
+    }
+    Ok(columns)
 }
 
 fn refused(path: &Path, why: impl ToString) -> Faults {

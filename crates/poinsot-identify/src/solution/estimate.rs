@@ -35,6 +35,18 @@ impl Status {
         }
     }
 
+    /// The status of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        let all = [
+            Self::Converged,
+            Self::Partial,
+            Self::NotIdentifiable,
+            Self::IterationLimit,
+            Self::Rejected,
+        ];
+        all.into_iter().find(|status| status.name() == name)
+    }
+
     /// That of an answer with these numbers, before any remark.
     pub(crate) fn of_numbers(bodies: &[BodyEstimate], found: &Identifiability) -> Self {
         let open = bodies

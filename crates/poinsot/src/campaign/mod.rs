@@ -23,6 +23,7 @@ mod experiment;
 mod faults;
 mod methods;
 mod plan;
+mod recount;
 mod result;
 mod run;
 mod shard;

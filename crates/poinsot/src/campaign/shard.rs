@@ -1,6 +1,7 @@
 //! A finished shard: sums for merging, and rows for other programs, in separate files.
 
 use super::plan::{Plan, Shard};
+use super::recount;
 use super::sums::CellSums;
 use super::trial::CRASHED;
 use crate::error::Error;
@@ -9,7 +10,7 @@ use indexmap::IndexSet;
 use poinsot_files::{InputError, Stage, open, read_text};
 use poinsot_formats::{LARGEST_RESULT, ResultFile, checksum, parse_result, result_text, sha256_of};
 use poinsot_identify::Status;
-use poinsot_telemetry::{ROWS_EXTENSION, RowCells, RowColumn, write_rows};
+use poinsot_telemetry::{ROWS_EXTENSION, RowCells, RowColumn, read_rows, write_rows};
 use serde::{Deserialize, Serialize};
 use std::cell::Cell;
 use std::collections::BTreeSet;
@@ -152,9 +153,9 @@ impl ShardSums {
         }
     }
 
-    /// Checks size and checksum of the rows; of rows elsewhere, their size.
-    fn check_rows(&self, rows: &Path) -> Result<(), String> {
-        let (file, metadata, here) = match open(rows) {
+    /// Checks size, checksum and sums of the rows; of rows elsewhere, their size.
+    fn check_rows(&self, plan: &Plan, rows: &Path) -> Result<(), String> {
+        let (mut file, metadata, here) = match open(rows) {
             Ok((file, metadata)) => (file, metadata, true),
             Err(_) => match open(&rows.with_extension(ELSEWHERE)) {
                 Ok((file, metadata)) => (file, metadata, false),
@@ -166,10 +167,14 @@ impl ShardSums {
             let wanted = self.rows_bytes;
             return Err(format!("its rows have {bytes} bytes instead of {wanted}"));
         }
-        if here && sha256_of(file).map_err(|e| e.to_string())? != self.rows_sha256 {
+        if !here {
+            return Ok(());
+        }
+        if sha256_of(&mut file).map_err(|e| e.to_string())? != self.rows_sha256 {
             return Err("its rows were changed: their checksum differs".to_owned());
         }
-        Ok(())
+        let columns = read_rows(rows, file).map_err(|e| e.to_string())?;
+        recount::check(plan, &self.sums, &columns)
     }
 }
 
@@ -212,7 +217,7 @@ pub(super) fn find(plan: &Plan, out: &Path, number: u64) -> Result<Found, Error>
         let other = "it is of another plan or another shard".to_owned();
         (sums.shard == number).then_some(()).ok_or(other)?;
         sums.check(plan)?;
-        sums.check_rows(&rows_path(&path))
+        sums.check_rows(plan, &rows_path(&path))
     };
     match ShardSums::parse(&text) {
         // A plan with another number of trials may have a different last shard.

@@ -237,6 +237,19 @@ impl Sums {
         }
     }
 
+    /// Whether these are the sums of rows that were read, which state neither bounds nor sensors.
+    pub(crate) fn agree_with(&self, mut read: Self) -> bool {
+        for own in &self.numbers {
+            read.number(0, &own.name).bounds = own.bounds;
+        }
+        read.channels.clone_from(&self.channels);
+        let mut own = self.clone();
+        for sums in [&mut own, &mut read] {
+            sums.numbers.sort_by(|a, b| a.name.cmp(&b.name));
+        }
+        own == read
+    }
+
     /// Whether these can be the sums of this many trials.
     pub(crate) fn is_of(&self, trials: u64) -> bool {
         let add = |n: u64, (_, m): &(String, u64)| n.checked_add(*m);

@@ -203,6 +203,59 @@ fn exact_forged_sums_are_not_merged() {
     forge(&|sums| sums.sums.methods[0].numbers[0].square = f64::INFINITY);
 }
 
+/// Every number and text of the sums of a shard changed alone, with a good checksum. Rows state neither bounds nor sensors.
+#[test]
+fn exact_edited_sums_are_not_those_of_their_rows() {
+    let (plan, folder) = (plan(), tempfile::tempdir().unwrap());
+    let mut whole = poinsot::campaign::run_shard(&plan, 0).unwrap();
+    whole.write(folder.path()).unwrap();
+    let damage = || missing_shards(&plan, folder.path(), 0..1).unwrap();
+    assert_eq!(damage(), []);
+    let shards = fs::read_dir(folder.path().join("shards/000000")).unwrap();
+    let mut files = shards.map(|f| f.unwrap().path());
+    let path = files.find(|f| f.extension().unwrap() == "json").unwrap();
+    let value = serde_json::to_value(&whole.sums).unwrap();
+    let mut leaves = Vec::new();
+    leaves_of(&value, String::new(), &mut leaves);
+    let (mut refused, mut untold) = (0, 0);
+    for at in &leaves {
+        let mut edited = value.clone();
+        let leaf = edited.pointer_mut(at).unwrap();
+        *leaf = match &leaf {
+            serde_json::Value::String(text) => format!("{text}x").into(),
+            leaf if leaf.is_u64() => (leaf.as_u64().unwrap() + 1).into(),
+            leaf => (leaf.as_f64().unwrap() * 1.000_000_1 + 1.0e-300).into(),
+        };
+        let sums: poinsot::campaign::ShardSums = serde_json::from_value(edited).unwrap();
+        fs::write(&path, sums.text()).unwrap();
+        match damage().is_empty() {
+            true => {
+                assert!(at.contains("/bounds/") || at.contains("/channels/"), "{at}");
+                untold += 1;
+            }
+            false => refused += 1,
+        }
+    }
+    println!("{refused} refused, {untold} of bounds and sensors read");
+    assert!(refused > 3 * untold);
+}
+
+/// Pointers to every number and text.
+fn leaves_of(value: &serde_json::Value, at: String, leaves: &mut Vec<String>) {
+    match value {
+        serde_json::Value::Array(items) => {
+            let items = items.iter().enumerate();
+            items.for_each(|(k, item)| leaves_of(item, format!("{at}/{k}"), leaves));
+        }
+        serde_json::Value::Object(items) => {
+            let items = items.iter();
+            items.for_each(|(key, item)| leaves_of(item, format!("{at}/{key}"), leaves));
+        }
+        serde_json::Value::Null => {}
+        _ => leaves.push(at),
+    }
+}
+
 /// Edits by hand with a good checksum: every reader refuses them.
 #[test]
 fn exact_every_reader_refuses_an_estimate_that_contradicts_itself() {

@@ -1,7 +1,7 @@
 //! The result of a campaign as a page.
 
 use super::light;
-use crate::campaign::{ABOUT_KNOWN, headline, table_document};
+use crate::campaign::{ABOUT_KNOWN, headline, label, table_document};
 use indexmap::{IndexMap, IndexSet};
 use poinsot_figures::{
     Axis, Figure, Light, Mark, Opening, Page, PageError, Part, Plot, Series, Tone,
@@ -10,6 +10,7 @@ use poinsot_files::short;
 use poinsot_formats::{
     BandedFile, Calibration, CampaignFile, CellFile, MethodResultFile, NumberResultFile,
 };
+use std::cmp::Reverse;
 
 /// Largest number of separate figures.
 const FIGURES: usize = 12;
@@ -33,19 +34,22 @@ pub fn campaign_page(result: &CampaignFile) -> Result<Page, PageError> {
         None => fixed(result),
     };
     let complete = result.missing.is_empty() && result.trials >= result.planned;
-    let worst = worst(result);
+    let methods = worst_of_methods(result);
+    let missing = methods.values().filter(|w| w.found.missed > 0).count();
+    let worst = methods.values().max_by_key(|w| w.rank());
     let (tone, word) = match worst {
         _ if !complete => (Tone::Fair, "Incomplete"),
-        Some(w) if w.missed > 0 => (Tone::Bad, "Not calibrated"),
-        Some(w) if w.is_resolved() => (Tone::Good, "Calibrated"),
+        Some(_) if missing > 0 && missing < methods.len() => (Tone::Bad, "Not all calibrated"),
+        Some(w) if w.found.missed > 0 => (Tone::Bad, "Not calibrated"),
+        Some(w) if w.found.is_resolved() => (Tone::Good, "Calibrated"),
         _ => (Tone::Good, "Consistent"),
     };
     let opening = Opening {
         tone,
         word: word.to_owned(),
-        sentence: worst.map(|w| format!("{w}.")).unwrap_or_default(),
+        sentence: worst.map(Worst::sentence).unwrap_or_default(),
         action: (!complete).then(|| "Run the missing shards with --resume.".to_owned()),
-        lights: lights(result),
+        lights: lights(&methods),
         beside: Figure::page(figures.get(..1).unwrap_or_default())?,
     };
     let body = Figure::page(&figures)?;
@@ -70,24 +74,49 @@ pub fn campaign_page(result: &CampaignFile) -> Result<Page, PageError> {
     })
 }
 
-/// The method that does worst: most misses, then fewest trials.
-fn worst(result: &CampaignFile) -> Option<Calibration> {
-    let methods = result.cells.iter().flat_map(|c| &c.methods);
-    let all = methods.map(MethodResultFile::calibration);
-    all.max_by_key(|c| (c.missed, std::cmp::Reverse(c.trials)))
+/// Where a method does worst.
+struct Worst {
+    /// What tells this method in this cell from the others.
+    label: String,
+    found: Calibration,
 }
 
-/// Whether each method is calibrated, in the cell where it does worst.
-fn lights(result: &CampaignFile) -> Vec<Light> {
-    let mut worst: IndexMap<&str, Calibration> = IndexMap::new();
-    for method in result.cells.iter().flat_map(|c| &c.methods) {
-        let own = method.calibration();
-        let known = worst.entry(&method.method).or_insert(own);
-        if own.missed > known.missed {
-            *known = own;
+impl Worst {
+    /// More misses are worse, then fewer trials.
+    fn rank(&self) -> (usize, Reverse<u64>) {
+        (self.found.missed, Reverse(self.found.trials))
+    }
+
+    fn sentence(&self) -> String {
+        match self.label.as_str() {
+            "" => format!("{}.", self.found),
+            label => format!("Worst: {label}: {}.", self.found),
         }
     }
-    let light = |(method, found): (&str, Calibration)| {
+}
+
+/// Every method, in the cell where it does worst.
+fn worst_of_methods(result: &CampaignFile) -> IndexMap<&str, Worst> {
+    let mut all: IndexMap<&str, Worst> = IndexMap::new();
+    for cell in &result.cells {
+        for method in &cell.methods {
+            let own = Worst {
+                label: label(result, cell, method),
+                found: method.calibration(),
+            };
+            match all.get_mut(method.method.as_str()) {
+                Some(known) if known.rank() >= own.rank() => {}
+                Some(known) => *known = own,
+                None => _ = all.insert(&method.method, own),
+            }
+        }
+    }
+    all
+}
+
+/// Whether each method is calibrated.
+fn lights(methods: &IndexMap<&str, Worst>) -> Vec<Light> {
+    let light = |(method, Worst { found, .. }): (&&str, &Worst)| {
         let (tone, word) = match (found.missed, found.is_resolved()) {
             (0, true) => (Tone::Good, "yes"),
             (0, false) => (Tone::Fair, "not contradicted"),
@@ -101,7 +130,7 @@ fn lights(result: &CampaignFile) -> Vec<Light> {
             format!("{method}: {found}"),
         )
     };
-    worst.into_iter().map(light).collect()
+    methods.iter().map(light).collect()
 }
 
 /// The address with the most values, if one has at least two.
