@@ -1,7 +1,7 @@
 //! Use of the limits by a manoeuvre, and the vehicles of the prior that must hold them.
 
 use crate::design::{Asked, FEW_STEPS, ROBUST_PART};
-use crate::reliability::{Fleet, Point, Reliability};
+use crate::reliability::{Fleet, MOST_RUNS, Point, RUNS, Reliability};
 use crate::result::Uses;
 use crate::search::{Found, evaluated, refine};
 use crate::shape::{Space, linear_uses};
@@ -11,12 +11,12 @@ use crate::watch::{WINDOWS_EACH, Watched, fine_times};
 use poinsot::Error;
 use poinsot::case::Scenario;
 use poinsot_formats::LimitUseFile;
+use poinsot_model::Model;
 use poinsot_solve::Reached;
+use rayon::prelude::*;
 
 /// What the vehicles of the prior that bound a manoeuvre may leave of a limit, or exceed it by until the manoeuvre is made smaller.
 const ROOM: f64 = 0.005;
-/// Longest reach, sigma: beyond lies less than a hundredth of the share that is allowed, where a limit is a plane.
-const MOST_REACH: f64 = 4.8;
 /// Distance, in sigma of the prior, of two vehicles that are one.
 const SAME: f64 = 0.1;
 /// Largest number of rounds that each add the vehicles that exceed a limit most.
@@ -24,14 +24,16 @@ const ROUNDS: usize = 8;
 /// The same of a robust design, after the rounds of the nominal one.
 const ROBUST_ROUNDS: usize = 3;
 /// Factors on a manoeuvre that exceeds a limit for some vehicle.
-const SHARES: [f64; 20] = [
-    1.0, 0.9995, 0.998, 0.995, 0.99, 0.98, 0.97, 0.96, 0.94, 0.92, 0.9, 0.85, 0.8, 0.7, 0.6, 0.5,
-    0.4, 0.3, 0.2, 0.1,
+const SHARES: [f64; 19] = [
+    0.9995, 0.998, 0.995, 0.99, 0.98, 0.97, 0.96, 0.94, 0.92, 0.9, 0.85, 0.8, 0.7, 0.6, 0.5, 0.4,
+    0.3, 0.2, 0.1,
 ];
 /// Tolerance on a limit, relative: the integration error.
 const HELD: f64 = 1.0e-6;
-/// Seed of the vehicles that check the limits, beside that of the search.
+/// Seed of the vehicles that bound the search, beside that of the search, and of those that judge its end: a manoeuvre suits those that
+/// it was searched with.
 const MARGIN_SEED: u64 = 1 << 32;
+const JUDGE_SEED: u64 = 1 << 33;
 
 /// How far a manoeuvre goes towards the watched limits.
 struct Nearest {
@@ -62,10 +64,11 @@ impl Nearest {
 
     /// The largest excess over a limit, of the nominal vehicle and of all but [`ALLOWED`](crate::reliability::ALLOWED) of the others.
     fn beyond(&self, limit: usize) -> f64 {
-        let tail = self.prior.as_ref().map_or(f64::INFINITY, |p| p.tail);
-        let excess = |(k, point): (usize, &Point)| point.beyond[limit * WINDOWS_EACH + k].min(tail);
+        let excess = |(k, point): (usize, &Point)| point.beyond[limit * WINDOWS_EACH + k];
         let all = self.windows(limit).iter().enumerate().map(excess);
-        all.fold(self.limits[limit].beyond, f64::max)
+        let tail = self.prior.as_ref().map_or(f64::INFINITY, |p| p.tail);
+        all.map(|x| x.min(tail))
+            .fold(self.limits[limit].beyond, f64::max)
     }
 
     /// The vehicles that exceed a limit in some window.
@@ -92,6 +95,22 @@ struct Flying<'q> {
     scenario: Scenario,
     /// Of every limit, what the rows do not show.
     between: Vec<f64>,
+}
+
+impl<'q> Flying<'q> {
+    fn new(
+        question: &'q Question,
+        model: &'q Model,
+        scenario: &Scenario,
+        nearest: &Nearest,
+    ) -> Self {
+        Self {
+            question,
+            prior: Prior::new(model),
+            scenario: scenario.clone(),
+            between: nearest.limits.iter().map(|n| n.between).collect(),
+        }
+    }
 }
 
 impl Fleet for Flying<'_> {
@@ -134,17 +153,30 @@ impl Question {
         true
     }
 
-    /// Vehicles further from the nominal one must hold the limits, or nearer ones; those that had to follow.
-    fn change_reach(&mut self, by: f64) {
-        let by = (by * self.reach).min(MOST_REACH) / self.reach;
-        self.reach *= by;
-        let prior = Prior::new(&self.model);
-        for critical in &mut self.critical {
-            let z: Vec<f64> = critical.z.iter().map(|z| by * z).collect();
-            if let Some(model) = prior.vehicle(&z) {
-                (critical.model, critical.z) = (model, z);
+    /// The vehicles that must hold a limit are those of the same directions that go as far as the tail does.
+    fn follow_the_tail(&mut self, scenario: &Scenario, nearest: &Nearest) -> Result<(), Error> {
+        let Some(reliability) = &nearest.prior else {
+            return Ok(());
+        };
+        let vehicle = self.model.clone();
+        let flying = Flying::new(self, &vehicle, scenario, nearest);
+        let moved = |critical: &Critical| {
+            let first = critical.limit * WINDOWS_EACH;
+            let point = Point {
+                z: critical.z.clone(),
+                beyond: Vec::new(),
+            };
+            reliability.at_tail(&flying, &point, first..first + WINDOWS_EACH)
+        };
+        let moved = self.critical.par_iter().map(moved);
+        let moved = moved.collect::<Result<Vec<_>, Error>>()?;
+        let prior = Prior::new(&vehicle);
+        for (critical, point) in self.critical.iter_mut().zip(moved) {
+            if let Some(model) = prior.vehicle(&point.z) {
+                (critical.model, critical.z) = (model, point.z);
             }
         }
+        Ok(())
     }
 }
 
@@ -170,9 +202,10 @@ impl Asked<'_> {
             }
             self.follow_the_worst(question, space, &reached.x);
             let program = Program::last(question, space);
-            let shorter = SHARES.map(|share| reached.x.iter().map(|x| share * x).collect());
+            let shares = std::iter::once(1.0).chain(SHARES);
+            let shorter = shares.map(|share| reached.x.iter().map(|x| share * x).collect());
             let mut budget = part.max(FEW_STEPS * (space.len() + 2));
-            let from = evaluated(&program, shorter.to_vec(), &mut budget);
+            let from = evaluated(&program, shorter.collect(), &mut budget);
             let Some(from) = from.first().map(|search| &search.reached.x) else {
                 break;
             };
@@ -187,9 +220,12 @@ impl Asked<'_> {
     /// Adds what this manoeuvre lacks to hold the limits: critical vehicles, and margins for values between rows and for what the
     /// search did not resolve; their reach follows the share that exceeds a limit. Whether anything was added.
     fn tightened(&self, question: &mut Question, space: &Space, x: &[f64]) -> Result<bool, Error> {
-        let nearest = self.nearest(question, space, x)?;
+        let nearest = self.nearest(question, space, x, (MARGIN_SEED, RUNS))?;
         if nearest.fits(!question.critical.is_empty()) {
             return Ok(false);
+        }
+        if let Some(scenario) = question.scenario(space, x) {
+            question.follow_the_tail(&scenario, &nearest)?;
         }
         for (limit, nominal) in nearest.limits.iter().enumerate() {
             let new = nearest.critical(limit).into_iter();
@@ -203,9 +239,6 @@ impl Asked<'_> {
                 };
             }
         }
-        if let Some(prior) = &nearest.prior {
-            question.change_reach(prior.reach_factor);
-        }
         question.forget_best();
         Ok(true)
     }
@@ -218,19 +251,37 @@ impl Asked<'_> {
         found: &Found,
     ) -> Result<(Vec<f64>, Uses), Error> {
         let x = space.drawn_inside(found.reached.x.clone());
-        for share in SHARES {
+        let by = |share: f64| -> Result<(Vec<f64>, Uses), Error> {
             let nearer: Vec<f64> = x.iter().map(|x| share * x).collect();
             let uses = self.uses(question, space, &nearer)?;
-            if uses.hold(HELD) {
-                return Ok((nearer, uses));
-            }
+            Ok((nearer, uses))
+        };
+        let whole = by(1.0)?;
+        if whole.1.hold(HELD) {
+            return Ok(whole);
         }
-        let uses = self.uses(question, space, &x)?;
-        Ok((x, uses))
+        let (mut found, mut left) = (None, SHARES.as_slice());
+        // A smaller one holds them if a larger one does.
+        while !left.is_empty() {
+            let (larger, smaller) = left.split_at(left.len() / 2);
+            let tried = by(smaller[0])?;
+            left = match tried.1.hold(HELD) {
+                true => larger,
+                false => &smaller[1..],
+            };
+            found = Some(tried).filter(|tried| tried.1.hold(HELD)).or(found);
+        }
+        Ok(found.unwrap_or(whole))
     }
 
     /// How far the manoeuvre goes towards each watched limit, by the vehicles of the prior as well.
-    fn nearest(&self, question: &Question, space: &Space, x: &[f64]) -> Result<Nearest, Error> {
+    fn nearest(
+        &self,
+        question: &Question,
+        space: &Space,
+        x: &[f64],
+        (seed, runs): (u64, u64),
+    ) -> Result<Nearest, Error> {
         let mut nearest = Nearest {
             limits: Vec::new(),
             prior: None,
@@ -255,14 +306,9 @@ impl Asked<'_> {
         });
         nearest.limits = nominal.collect();
         if has_prior(self.model) {
-            let flying = Flying {
-                question,
-                prior: Prior::new(self.model),
-                scenario,
-                between: nearest.limits.iter().map(|n| n.between).collect(),
-            };
-            let seed = self.design.seed ^ MARGIN_SEED;
-            nearest.prior = Some(Reliability::of(&flying, (question.reach, HELD), seed)?);
+            let flying = Flying::new(question, self.model, &scenario, &nearest);
+            let seed = self.design.seed ^ seed;
+            nearest.prior = Some(Reliability::of(&flying, (HELD, runs), seed)?);
         }
         Ok(nearest)
     }
@@ -273,7 +319,7 @@ impl Asked<'_> {
     /// A vehicle cannot fly the manoeuvre.
     fn uses(&self, question: &Question, space: &Space, x: &[f64]) -> Result<Uses, Error> {
         let mut limits = linear_uses(self.model, space, x);
-        let nearest = self.nearest(question, space, x)?;
+        let nearest = self.nearest(question, space, x, (JUDGE_SEED, MOST_RUNS))?;
         let of = |(k, w): (usize, &Watched)| {
             let value = nearest.limits.get(k)?.value;
             let margin = -nearest.beyond(k);

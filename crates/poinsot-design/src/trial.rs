@@ -1,7 +1,6 @@
 //! One candidate manoeuvre, flown by the nominal vehicle or by vehicles of the prior: its information and limits.
 
 use crate::progress::{BestSoFar, Progress};
-use crate::reliability::REACH;
 use crate::shape::{Space, linear_uses};
 use crate::vehicles::drawn;
 use crate::watch::{Course, WINDOWS_EACH, Watch};
@@ -63,8 +62,6 @@ pub struct Question {
     pub margins: Vec<f64>,
     /// Vehicles of the prior that exceed a watched limit first. Each must hold it in every candidate.
     pub critical: Vec<Critical>,
-    /// Distance of such vehicles from the nominal one, in sigma of the prior.
-    pub reach: f64,
     /// What the whole prediction adds to each objective of a candidate.
     pub surcharge: Vec<f64>,
     /// Vehicles of a robust design that hold its worst tenth, which is the objective; empty if it is the nominal vehicle.
@@ -140,7 +137,6 @@ impl Question {
             scenario,
             margins: vec![0.0; watch.watched.len()],
             critical: Vec::new(),
-            reach: REACH,
             surcharge: vec![0.0; wants.len()],
             model,
             wants,
