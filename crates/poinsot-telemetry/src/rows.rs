@@ -41,6 +41,17 @@ pub fn write_rows(file: &mut File, columns: &[RowColumn]) -> std::io::Result<()>
 ///
 /// # Errors
 /// The file is damaged, or its rows would not fit into memory; the program was built without Parquet.
+///
+/// ```
+/// use poinsot_telemetry::{RowCells, RowColumn, read_rows, write_rows};
+///
+/// # let path = std::env::temp_dir().join(format!("poinsot-read-rows-{}", std::process::id()));
+/// let trial = RowColumn { name: "trial".to_owned(), cells: RowCells::Count(vec![7]) };
+/// write_rows(&mut std::fs::File::create(&path)?, &[trial])?;
+/// assert_eq!(read_rows(&path, std::fs::File::open(&path)?)?[0].cells, RowCells::Count(vec![7]));
+/// # std::fs::remove_file(&path)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn read_rows(path: &Path, file: File) -> Result<Vec<RowColumn>, Faults> {
     crate::parquet_reader::read_rows(path, file)
 }
