@@ -13,7 +13,7 @@ pub use sensor_errors::ErrorGroup;
 use crate::problem::refusal;
 use poinsot_dynamics::propagation::{Mode, PassiveJoints};
 use poinsot_dynamics::{Kinematics, Tree, composite};
-use poinsot_files::Faults;
+use poinsot_files::{Faults, check_memory};
 use poinsot_model::{EstimateSet, Model, Nuisance};
 use poinsot_spatial::{
     InertialParameters, MassProperties, PARAMETER_NAMES, Vector3, elements, parallel_axis,
@@ -76,6 +76,9 @@ pub struct Parameters {
 }
 
 const AXES: [&str; 3] = ["x", "y", "z"];
+/// Memory of all fits of an answer over the cube of its unknown numbers, bytes: every cause that is tried has a covariance. Measured with
+/// the biases of 50, 100 and 200 gyros: 73, 530 and 3,280 MiB.
+const OF_CUBE: f64 = 20.0;
 
 impl Parameters {
     /// The unknowns of a model under the equations that the data allow.
@@ -114,6 +117,9 @@ impl Parameters {
         if parameters.unknowns.is_empty() {
             return Err(refusal::nothing_unknown());
         }
+        let count = parameters.unknowns.len();
+        let bytes = OF_CUBE * (count as f64).powi(3);
+        check_memory(&format!("the fits of {count} unknown numbers"), bytes)?;
         Ok(parameters)
     }
 
