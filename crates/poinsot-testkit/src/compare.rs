@@ -21,7 +21,11 @@ where
 }
 
 /// `|a - b|` relative to the larger of `|a|` and `|b|`, Frobenius norm; zero for two zeros.
-pub fn apart_relative<R, C, SA, SB>(a: &Matrix<f64, R, C, SA>, b: &Matrix<f64, R, C, SB>) -> f64
+#[cfg(test)]
+pub(crate) fn apart_relative<R, C, SA, SB>(
+    a: &Matrix<f64, R, C, SA>,
+    b: &Matrix<f64, R, C, SB>,
+) -> f64
 where
     R: Dim,
     C: Dim,

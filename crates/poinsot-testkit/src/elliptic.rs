@@ -1,17 +1,12 @@
 //! Jacobi's elliptic functions and Legendre's first integral, by parameter `m = k^2`, `0 <= m <= 1`.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::FRAC_PI_2;
 
 /// Sufficient steps: the arithmetic-geometric mean doubles its digits at every step.
 const AGM_STEPS: usize = 16;
 
 /// Sufficient duplications: a spread of 1e-300 to 1 is about 1000 bits, and each step removes two.
 const DUPLICATIONS: usize = 600;
-
-/// The complete integral of the first kind, `K(m)`; infinite at `m = 1`.
-pub fn complete_first(m: f64) -> f64 {
-    complete_first_by_complement(1.0 - m)
-}
 
 /// `K` by the complementary parameter `m1 = 1 - m`.
 pub(crate) fn complete_first_by_complement(m1: f64) -> f64 {
@@ -23,18 +18,6 @@ pub(crate) fn complete_first_by_complement(m1: f64) -> f64 {
         (a, b) = (0.5 * (a + b), (a * b).sqrt());
     }
     FRAC_PI_2 / a
-}
-
-/// The integral of the first kind `F(phi, m)` for any real `phi` (rad); infinite beyond pi/2 at `m = 1`.
-pub fn incomplete_first(phi: f64, m: f64) -> f64 {
-    let half_turns = (phi / PI).round();
-    let (s, c) = (phi - half_turns * PI).sin_cos();
-    let rest = first_by_sine_cosine(s, c, 1.0 - m);
-    if half_turns == 0.0 {
-        rest // K may be infinite
-    } else {
-        2.0 * half_turns * complete_first(m) + rest
-    }
 }
 
 /// `F` of the angle in -pi..pi with the given sine and cosine, by the complementary parameter. It keeps digits of a
@@ -66,12 +49,8 @@ fn carlson_rf(mut x: f64, mut y: f64, mut z: f64) -> f64 {
     f64::INFINITY // two zeros, where the integral diverges
 }
 
-/// `[sn, cn, dn](u | m)` by descending Landen transformations (Bulirsch 1965, procedure `sncndn`).
-pub fn jacobi(u: f64, m: f64) -> [f64; 3] {
-    jacobi_by_complement(u, 1.0 - m)
-}
-
-/// [`jacobi`] by the complementary parameter `m1 = 1 - m`.
+/// `[sn, cn, dn](u | m)` by the complementary parameter `m1 = 1 - m`: descending Landen transformations (Bulirsch 1965,
+/// procedure `sncndn`).
 pub(crate) fn jacobi_by_complement(u: f64, m1: f64) -> [f64; 3] {
     if m1 <= 0.0 {
         return [u.tanh(), 1.0 / u.cosh(), 1.0 / u.cosh()];
@@ -105,6 +84,29 @@ pub(crate) fn jacobi_by_complement(u: f64, m1: f64) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::PI;
+
+    /// The complete integral of the first kind, `K(m)`; infinite at `m = 1`.
+    fn complete_first(m: f64) -> f64 {
+        complete_first_by_complement(1.0 - m)
+    }
+
+    /// The integral of the first kind `F(phi, m)` for any real `phi` (rad); infinite beyond pi/2 at `m = 1`.
+    fn incomplete_first(phi: f64, m: f64) -> f64 {
+        let half_turns = (phi / PI).round();
+        let (s, c) = (phi - half_turns * PI).sin_cos();
+        let rest = first_by_sine_cosine(s, c, 1.0 - m);
+        if half_turns == 0.0 {
+            rest // K may be infinite
+        } else {
+            2.0 * half_turns * complete_first(m) + rest
+        }
+    }
+
+    /// `[sn, cn, dn](u | m)`.
+    fn jacobi(u: f64, m: f64) -> [f64; 3] {
+        jacobi_by_complement(u, 1.0 - m)
+    }
 
     #[test]
     fn xval_scipy_complete_integral() {

@@ -12,7 +12,7 @@
 #![allow(non_snake_case)]
 
 pub mod compare;
-pub mod elliptic;
+mod elliptic;
 pub mod joint_plans;
 pub mod momentum_sum;
 pub mod outside;

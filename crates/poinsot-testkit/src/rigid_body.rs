@@ -223,26 +223,6 @@ impl AxisymmetricGyrostat {
     }
 }
 
-/// Invariants of a gyrostat of any shape without external torque.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct GyrostatInvariants {
-    /// Angular momentum `R (I w + h_w)` in N, kg m2/s: constant for any wheel motion.
-    pub h_N: Vector3,
-    /// `w.I w / 2`, J, with locked rotors. It is constant at constant relative wheel speeds, because
-    /// `I w' = -w x (I w + h_w)` has no component along `w`.
-    pub energy_at_held_speed: f64,
-}
-
-/// The invariants of a body with central inertia `I_BBcm_B` (rotors locked) and wheel momentum `h_w_B`, the sum of
-/// `Js Omega a`.
-pub fn gyrostat_invariants(I_BBcm_B: &Matrix3, h_w_B: &Vector3, spin: &Spin) -> GyrostatInvariants {
-    let bare = I_BBcm_B * spin.w_NB_B;
-    GyrostatInvariants {
-        h_N: spin.R_NB * (bare + h_w_B),
-        energy_at_held_speed: 0.5 * spin.w_NB_B.dot(&bare),
-    }
-}
-
 /// `Js (Omega + a.w)`: the axial momentum of one rotor, constant without bearing torque.
 pub fn rotor_axial_momentum(
     spin_inertia: f64,
@@ -296,6 +276,25 @@ mod tests {
         0.3077935056255462,
         0.9233805168766387,
     ];
+
+    /// Invariants of a gyrostat of any shape without external torque.
+    struct GyrostatInvariants {
+        /// Angular momentum `R (I w + h_w)` in N, kg m2/s: constant for any wheel motion.
+        h_N: Vector3,
+        /// `w.I w / 2`, J, with locked rotors. It is constant at constant relative wheel speeds, because
+        /// `I w' = -w x (I w + h_w)` has no component along `w`.
+        energy_at_held_speed: f64,
+    }
+
+    /// The invariants of a body with central inertia `I_BBcm_B` (rotors locked) and wheel momentum `h_w_B`, the sum of
+    /// `Js Omega a`.
+    fn gyrostat_invariants(I_BBcm_B: &Matrix3, h_w_B: &Vector3, spin: &Spin) -> GyrostatInvariants {
+        let bare = I_BBcm_B * spin.w_NB_B;
+        GyrostatInvariants {
+            h_N: spin.R_NB * (bare + h_w_B),
+            energy_at_held_speed: 0.5 * spin.w_NB_B.dot(&bare),
+        }
+    }
 
     fn bus() -> Matrix3 {
         Matrix3::new(30.0, 0.26, 0.37, 0.26, 28.0, -0.29, 0.37, -0.29, 32.0)
