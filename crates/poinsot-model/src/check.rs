@@ -7,7 +7,6 @@ use crate::check_telemetry::check_telemetry;
 use crate::check_tree::{Tree, check_tree};
 use crate::file::{BodyFile, ModelFile};
 use crate::finding::{Findings, Key, all};
-use crate::knowledge::Knowledge;
 use crate::vehicle::Model;
 use std::collections::HashMap;
 use std::fmt;
@@ -74,15 +73,9 @@ pub(crate) fn check_model(
         name: file.name.clone().unwrap_or_else(|| "vehicle".to_owned()),
         bodies: bodies_in_order.collect(),
         joints: check.joints(),
-        wheels: Vec::new(),
-        thrusters: Vec::new(),
-        modes: Vec::new(),
-        sensors: Vec::new(),
         momentum: check.momentum(),
         environment: check.environment(),
-        telemetry: Default::default(),
-        knowledge: Knowledge::default(),
-        notes: Vec::new(),
+        ..Model::default()
     };
     model.wheels = check.wheels(&model.bodies);
     model.thrusters = check.thrusters(&model.bodies);

@@ -4,11 +4,9 @@ use super::Remark;
 use super::inertial::rotation;
 use super::raw::{self, Robot};
 use super::tree::Order;
-use crate::Environment;
 use crate::knowledge::{Knowledge, Origin};
-use crate::vehicle::{Body, EstimateSet, Joint, JointKind, Model, Momentum};
+use crate::vehicle::{Body, EstimateSet, Joint, JointKind, Model};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
-use poinsot_telemetry::TelemetryMap;
 use std::collections::HashMap;
 
 /// The vehicle; `None` after an error.
@@ -64,19 +62,12 @@ pub(super) fn model(
         name: robot.name.clone(),
         bodies: order.links.iter().map(body).collect(),
         joints: joints?,
-        wheels: Vec::new(),
-        thrusters: Vec::new(),
-        modes: Vec::new(),
-        sensors: Vec::new(),
-        momentum: Momentum::default(),
-        environment: Environment::default(),
-        telemetry: TelemetryMap::default(),
         // A URDF gives no uncertainty of its numbers.
         knowledge: Knowledge {
             assumed: true,
             ..Knowledge::default()
         },
-        notes: Vec::new(),
+        ..Model::default()
     };
     Some(model.with_usual_uncertainty(Origin::Cad))
 }
