@@ -18,7 +18,7 @@ use poinsot_spatial::{InertialParameters, Vector3};
 /// accelerations.set_without_base(&tree, &kinematics, &[0.0], &[0.0]);
 /// assert_eq!(accelerations.at_point(&kinematics, 1, &Vector3::x()), Vector3::x() * -8.0);
 /// ```
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Accelerations<T = f64> {
     /// Acceleration of body i's origin, m/s2.
     pub a: Vec<nalgebra::Vector3<T>>,

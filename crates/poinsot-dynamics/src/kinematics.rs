@@ -18,7 +18,7 @@ use nalgebra::{Matrix3, Vector3};
 /// assert_eq!(kinematics.v[1], Vector3::y());
 /// assert!((kinematics.w[1] - Vector3::z() * 3.0).norm() < 1.0e-15);
 /// ```
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Kinematics<T = f64> {
     /// `R_BBi`: from body i to the base.
     pub R: Vec<Matrix3<T>>,

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub const VALIDATION: &str = "poinsot.validation/3";
 
 /// The motion of a model or an estimate against another model or telemetry.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ValidationFile {
     /// "poinsot.validation/3".
     pub schema: String,

@@ -52,6 +52,7 @@ use variation::Variation;
 use vehicle::{Thrust, ThrustPlan};
 
 /// Corrected inputs at one instant, and all quantities that depend on them alone.
+#[derive(Default)]
 struct InputState {
     q: Vec<f64>,
     rates: Vec<f64>,
@@ -216,23 +217,11 @@ impl InputState {
         let tree = vehicle.tree;
         Self {
             bodies: vehicle.bodies.clone(),
-            impulse: Vec::new(),
-            velocities: Vec::new(),
             q: vec![0.0; tree.dof()],
             rates: vec![0.0; tree.dof()],
             wheels: vec![0.0; tree.rotors.len()],
-            changes: Vec::new(),
-            joint_slopes: JointSlopes::default(),
-            orbit_N: Vector3::zeros(),
-            time_s: 0.0,
             kinematics: Kinematics::new(tree),
-            free: Vec::new(),
-            locked: None,
-            flexible: None,
-            still: JointSlopes::default(),
-            hinges: Vec::new(),
-            interval: 0,
-            share: 0.0,
+            ..Self::default()
         }
     }
 }

@@ -225,20 +225,14 @@ impl Asked<'_> {
             poinsot: env!("CARGO_PKG_VERSION").to_owned(),
             kind: kind.to_owned(),
             verdict: if open { "undetermined" } else { verdict }.to_owned(),
-            model: String::new(),
-            estimate: None,
             against: self.request.against.to_string_lossy().into_owned(),
-            case: None,
             limits: ValidationLimitsFile {
                 within_m: self.request.within_m,
                 within_rad: self.request.within_rad,
             },
-            chi2_per_dof: None,
             compared: histories.iter().map(|c| c.file.clone()).collect(),
             completed,
-            warnings: Vec::new(),
-            repairs: Vec::new(),
-            files: Default::default(),
+            ..ValidationFile::default()
         };
         Validation { file, histories }
     }

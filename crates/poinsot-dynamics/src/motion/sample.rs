@@ -6,7 +6,7 @@ use crate::vehicle::Vehicle;
 use poinsot_spatial::{UnitQuaternion, Vector3};
 
 /// The vehicle at one instant, with all ideal measurements.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct MotionSample {
     /// Time, s.
     pub time: f64,
@@ -62,14 +62,6 @@ impl MotionSample {
         let modes = vec![0.0; vehicle.modes.len()];
         let joints = vec![0.0; tree.dof()];
         Self {
-            time: 0.0,
-            R_NB: UnitQuaternion::identity(),
-            p_NoBo_N: Vector3::zeros(),
-            v_NBo_N: Vector3::zeros(),
-            w_NB_B: Vector3::zeros(),
-            p_NoScm_N: Vector3::zeros(),
-            l_S_N: Vector3::zeros(),
-            h_SScm_N: Vector3::zeros(),
             q: joints.clone(),
             rates: joints.clone(),
             accelerations: joints.clone(),
@@ -80,9 +72,9 @@ impl MotionSample {
             thrust: vec![0.0; thrusters],
             mode_amplitude: modes.clone(),
             mode_rate: modes,
-            p_orbit_N: Vector3::zeros(),
             kinematics: Kinematics::new(tree),
             body: Accelerations::new(tree),
+            ..Self::default()
         }
     }
 }

@@ -31,16 +31,13 @@ pub(crate) fn refined(o: &Observations, further_s: &[f64]) -> Observations {
     );
     let mut new = Observations {
         time_s: Vec::with_capacity(places.len()),
-        orbit: Vec::new(),
         joint_position: Vec::with_capacity(places.len() * dof),
         joint_rate: Vec::with_capacity(places.len() * dof),
         wheel_speed: Vec::with_capacity(places.len() * wheels),
-        smooth_wheel_speed: Vec::new(),
         joints: at_places(&o.joints, &places, &o.time_s),
         wheels: at_places(&o.wheels, &places, &o.time_s),
         between_readings: o.between_readings || places.len() > n,
-        expected_errors: Vec::new(),
-        sensors: Vec::new(),
+        ..Observations::default()
     };
     let mut old = Vec::with_capacity(n);
     for (i, place) in places.iter().enumerate() {
