@@ -1,5 +1,6 @@
 //! A spectral line in the gyro residual: flexing, slosh, or an unmodelled rotor.
 
+use super::oscillation::Series;
 use super::types::SpectralLine;
 use crate::fit::Fitted;
 use crate::fit::experiment::Experiment;
@@ -13,22 +14,13 @@ pub(super) fn spectral_lines(experiment: &Experiment, fitted: &Fitted) -> Vec<Sp
     let mut found = Vec::new();
     let limits = experiment.settings.diagnosis;
     for (segment, one) in experiment.problem.segments.iter().zip(&fitted.evaluated) {
-        let o = &segment.observations;
-        let best = o.best_gyro().map(|r| &r.name);
-        let Some(gyro) = one.channels.iter().find(|c| Some(&c.name) == best) else {
+        let Some(gyro) = Series::of(segment, one, usize::MAX) else {
             continue;
         };
-        let times: Vec<f64> = o.rates().map(|(k, _)| o.time_s[k]).collect();
-        let Some(line) = strongest_line(&times, &gyro.white, limits.line_share) else {
+        let Some(line) = strongest_line(&gyro.time_s, &gyro.white, limits.line_share) else {
             continue;
         };
-        // Motion of the rigid vehicle.
-        let sigma = o.best_gyro().map_or_else(Vector3::zeros, |r| {
-            Vector3::from_fn(|i, _| r.covariance[(i, i)].sqrt())
-        });
-        let measured = o.rates().map(|(_, w)| w).zip(&gyro.white);
-        let predicted: Vec<Vector3> = measured.map(|(w, e)| w - e.component_mul(&sigma)).collect();
-        if !line.is_driven(&predicted, limits.driven_share) {
+        if !line.is_driven(&gyro.rate, limits.driven_share) {
             found.push(SpectralLine {
                 segment: segment.label.clone(),
                 frequency_hz: line.frequency_hz,

@@ -8,6 +8,7 @@
 
 use crate::fit::experiment::Experiment;
 use crate::likelihood::Evaluated;
+use crate::problem::segment::Segment;
 use nalgebra::{Cholesky, Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::f64::consts::TAU;
@@ -54,12 +55,35 @@ pub(crate) struct Oscillation {
 }
 
 /// Residual and rate of the best gyro in a segment.
-struct Series {
-    time_s: Vec<f64>,
-    rate: Vec<Vector3<f64>>,
-    white: Vec<Vector3<f64>>,
+pub(super) struct Series {
+    pub time_s: Vec<f64>,
+    /// Of the rigid vehicle, as predicted: the noise of the readings would drive an oscillator that explains it.
+    pub rate: Vec<Vector3<f64>>,
+    pub white: Vec<Vector3<f64>>,
     sigma: Vector3<f64>,
     of_rigid: (Square, Sides),
+}
+
+impl Series {
+    /// At most so many samples; `None` without a gyro.
+    pub fn of(segment: &Segment, one: &Evaluated, most: usize) -> Option<Self> {
+        let o = &segment.observations;
+        let gyro = o.best_gyro()?;
+        let channel = one.channels.iter().find(|c| c.name == gyro.name)?;
+        let rates = o.rates().take(most);
+        let (time_s, rate): (Vec<f64>, Vec<_>) = rates.map(|(k, w)| (o.time_s[k], w)).unzip();
+        let sigma = Vector3::from_fn(|i, _| gyro.covariance[(i, i)].sqrt());
+        let white: Vec<_> = channel.white.iter().take(time_s.len()).copied().collect();
+        let pairs = rate.iter().zip(&white);
+        let predicted = |(w, e): (&Vector3<f64>, &Vector3<f64>)| w - e.component_mul(&sigma);
+        Some(Self {
+            rate: pairs.map(predicted).collect(),
+            time_s,
+            white,
+            sigma,
+            of_rigid: (Square::zeros(), Sides::zeros()),
+        })
+    }
 }
 
 /// A wave of constant amplitude in a residual.
@@ -95,29 +119,8 @@ fn strongest(all: &[Series], frequencies: impl Iterator<Item = f64>) -> Option<W
 
 fn series(experiment: &Experiment, evaluated: &[Evaluated]) -> Vec<Series> {
     let segments = experiment.problem.segments.iter().zip(evaluated);
-    let all = segments
-        .filter_map(|(segment, one)| {
-            let o = &segment.observations;
-            let gyro = o.best_gyro()?;
-            let channel = one.channels.iter().find(|c| c.name == gyro.name)?;
-            let rates = o.rates().take(MOST);
-            let (time_s, rate): (Vec<f64>, Vec<_>) = rates.map(|(k, w)| (o.time_s[k], w)).unzip();
-            let sigma = Vector3::from_fn(|i, _| gyro.covariance[(i, i)].sqrt());
-            let white: Vec<_> = channel.white.iter().take(time_s.len()).copied().collect();
-            // As predicted: the noise of the readings would drive an oscillator that explains it.
-            let pairs = rate.iter().zip(&white);
-            let rate =
-                pairs.map(|(w, e): (&Vector3<f64>, &Vector3<f64>)| w - e.component_mul(&sigma));
-            let rate = rate.collect();
-            Some(Series {
-                time_s,
-                rate,
-                white,
-                sigma,
-                of_rigid: (Square::zeros(), Sides::zeros()),
-            })
-        })
-        .filter(|s| s.white.len() == s.time_s.len() && s.time_s.len() > 4 * ALL);
+    let all = segments.filter_map(|(segment, one)| Series::of(segment, one, MOST));
+    let all = all.filter(|s| s.white.len() == s.time_s.len() && s.time_s.len() > 4 * ALL);
     all.map(Series::summed).collect()
 }
 
