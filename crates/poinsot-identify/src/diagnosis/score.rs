@@ -45,13 +45,7 @@ pub(super) fn momentum_jump(
     experiment: &Experiment,
     segment: usize,
 ) -> Option<DMatrix<f64>> {
-    let unknown = experiment.unknown[segment];
-    let parts = [
-        unknown.attitude,
-        unknown.position,
-        unknown.linear,
-        unknown.angular,
-    ];
+    let parts = experiment.unknown[segment].parts();
     let places: Vec<usize> = (0..12).filter(|k| parts[k / 3]).collect();
     let state = DMatrix::from_fn(places.len(), start.len(), |i, j| start[j][places[i]]);
     let momenta: Vec<usize> = (0..places.len()).filter(|k| places[*k] >= 6).collect();

@@ -392,14 +392,14 @@ fn covariance(jacobian: &DMatrix<f64>) -> Option<DMatrix<f64>> {
 
 /// Parts of a start that are unknown, in the order of the columns.
 fn parts(columns: &InitialStateColumns) -> impl Iterator<Item = (&'static str, &'static str)> {
-    [
-        (columns.attitude, ("turn", "rad")),
-        (columns.position, ("position", "m")),
-        (columns.linear, ("linear_momentum", "N s")),
-        (columns.angular, ("angular_momentum", "N m s")),
-    ]
-    .into_iter()
-    .filter_map(|(wanted, part)| wanted.then_some(part))
+    let all = [
+        ("turn", "rad"),
+        ("position", "m"),
+        ("linear_momentum", "N s"),
+        ("angular_momentum", "N m s"),
+    ];
+    let pairs = all.into_iter().zip(columns.parts());
+    pairs.filter_map(|(part, wanted)| wanted.then_some(part))
 }
 
 /// Names of modes and passive joints, with the two parts of the state of each and their units.
@@ -420,24 +420,12 @@ fn internal_parts<'a>(problem: &Problem<'a>) -> Vec<(&'a str, [(&'static str, &'
 }
 
 /// Values of the unknown parts of a nominal start.
-fn values(initial_state: &InitialState, columns: &InitialStateColumns) -> Vec<f64> {
-    [
-        (columns.attitude, Vector3::zeros()),
-        (columns.position, initial_state.p_NoBo_N),
-        (columns.linear, initial_state.P),
-        (columns.angular, initial_state.h_SScm_N),
-    ]
-    .into_iter()
-    .filter(|(wanted, _)| *wanted)
-    .flat_map(|(_, v)| [v.x, v.y, v.z])
-    .chain(
-        initial_state
-            .internal
-            .iter()
-            .take(2 * columns.internal)
-            .copied(),
-    )
-    .collect()
+fn values(start: &InitialState, columns: &InitialStateColumns) -> Vec<f64> {
+    let all = [Vector3::zeros(), start.p_NoBo_N, start.P, start.h_SScm_N];
+    let wanted = all.iter().zip(columns.parts()).filter(|part| part.1);
+    let internal = start.internal.iter().take(2 * columns.internal);
+    let vectors = wanted.flat_map(|(v, _)| v.iter());
+    vectors.chain(internal).copied().collect()
 }
 
 /// Puts values into a nominal start. Gives the turn from it.

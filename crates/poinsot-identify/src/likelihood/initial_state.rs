@@ -42,11 +42,13 @@ impl InitialStateColumns {
 
     /// Number of columns.
     pub fn count(&self) -> usize {
+        let vectors = self.parts().map(usize::from).iter().sum::<usize>();
+        3 * vectors + 2 * self.internal
+    }
+
+    /// Whether attitude, position and both momenta are unknown.
+    pub fn parts(&self) -> [bool; 4] {
         [self.attitude, self.position, self.linear, self.angular]
-            .iter()
-            .map(|b| 3 * usize::from(*b))
-            .sum::<usize>()
-            + 2 * self.internal
     }
 
     /// First column of the linear and of the angular momentum.
@@ -76,13 +78,12 @@ pub(crate) fn start(
     unknowns: usize,
 ) -> (InitialState, Vec<Column>) {
     let mut columns = Vec::with_capacity(unknown.count() + unknowns);
-    let parts = [
-        unknown.attitude,
-        unknown.position,
-        unknown.linear,
-        unknown.angular,
-    ];
-    for (part, _) in parts.iter().enumerate().filter(|(_, wanted)| **wanted) {
+    for (part, _) in unknown
+        .parts()
+        .iter()
+        .enumerate()
+        .filter(|(_, wanted)| **wanted)
+    {
         for k in 0..3 {
             let mut column = Column::zeros();
             column[3 * part + k] = 1.0;
