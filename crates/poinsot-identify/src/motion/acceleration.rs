@@ -284,7 +284,6 @@ impl Motion<'_> {
         (tree, inputs): (&Tree, &Inputs),
         twist: &Twist,
     ) -> Vector6 {
-        let v = self.vehicle;
         moving.kinematics.place(tree, &inputs.q);
         moving
             .kinematics
@@ -295,17 +294,15 @@ impl Motion<'_> {
             &inputs.rates,
             &inputs.accelerations,
         );
-        let (force, mut torque) = moving
-            .body
-            .momentum_rate(&self.input_state.bodies, &moving.kinematics);
-        torque += wheel_rate(
-            tree,
-            &moving.kinematics,
-            &v.spin,
-            &inputs.wheels,
-            &inputs.wheel_rates,
-        );
-        stack(&force, &torque)
+        self.momentum_rate(moving, (tree, inputs))
+    }
+
+    /// Rate of the momentum of bodies and wheels about Bo, in B, of the motion in `moving`.
+    fn momentum_rate(&self, moving: &Moving, (tree, inputs): (&Tree, &Inputs)) -> Vector6 {
+        let (at, spin) = (&moving.kinematics, &self.vehicle.spin);
+        let (force, torque) = moving.body.momentum_rate(&self.input_state.bodies, at);
+        let of_wheels = wheel_rate(tree, at, spin, &inputs.wheels, &inputs.wheel_rates);
+        stack(&force, &(torque + of_wheels))
     }
 
     fn rate_slopes(
@@ -452,7 +449,6 @@ impl Motion<'_> {
         (ends, step): ([(&Tree, &Inputs); 2], f64),
         moving: &mut Moving,
     ) -> Vector3 {
-        let v = self.vehicle;
         let (instant, base) = (around.instant, around.base);
         let (body, p) = around.point;
         // Of `H A + b - W`, and of the force with the acceleration of the base held.
@@ -462,18 +458,8 @@ impl Motion<'_> {
             moving
                 .body
                 .add_base(&moving.kinematics, &upper(base), &lower(base));
-            let (force, mut torque) = moving
-                .body
-                .momentum_rate(&self.input_state.bodies, &moving.kinematics);
-            torque += wheel_rate(
-                tree,
-                &moving.kinematics,
-                &v.spin,
-                &there.wheels,
-                &there.wheel_rates,
-            );
             let outside = self.outside(around.state, &moving.kinematics, there, instant);
-            balance += (stack(&force, &torque) - outside) * weight;
+            balance += (self.momentum_rate(moving, (tree, there)) - outside) * weight;
             own += moving.body.at_point(&moving.kinematics, *body, p) * weight;
         }
         let shift = instant.twist_of(&balance);
