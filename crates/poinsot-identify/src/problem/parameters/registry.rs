@@ -246,6 +246,12 @@ impl Entry {
         Self { declared, ..self }
     }
 
+    /// Unknown where the model says so.
+    fn asked(self, estimate: bool) -> Self {
+        let declared = [self.declared, Nuisance::Estimate][usize::from(estimate)];
+        self.declare(declared)
+    }
+
     fn changes(self, number: KnownNumber) -> Self {
         let number = Some(number);
         Self { number, ..self }
@@ -317,11 +323,8 @@ impl Registry<'_> {
             );
             spin.unknown.nominal = wheel.spin_inertia;
             spin.unknown.natural = wheel.spin_inertia;
-            let declared = match wheel.estimate {
-                true => Nuisance::Estimate,
-                false => Nuisance::Known,
-            };
-            return Some(spin.declare(declared).changes(KnownNumber::SpinInertia(k)));
+            let spin = spin.asked(wheel.estimate);
+            return Some(spin.changes(KnownNumber::SpinInertia(k)));
         };
         let about = wheel.tilt_axes()[i];
         let axis = (0..3).find(|a| about[*a] == 1.0);
@@ -363,10 +366,7 @@ impl Registry<'_> {
         );
         entry.unknown.nominal = *number.of(&mut own.spring.clone());
         entry.unknown.natural = natural;
-        Some(entry.declare(match joint.spring_unknown.contains(&number) {
-            true => Nuisance::Estimate,
-            false => Nuisance::Known,
-        }))
+        Some(entry.asked(joint.spring_unknown.contains(&number)))
     }
 
     /// Nominal mass, and sum of the traces of all inertias.
@@ -397,10 +397,7 @@ impl Registry<'_> {
         );
         entry.unknown.nominal = own.mode.get(number);
         entry.unknown.natural = natural;
-        Some(entry.declare(match asked {
-            true => Nuisance::Estimate,
-            false => Nuisance::Known,
-        }))
+        Some(entry.asked(asked))
     }
 
     fn of_thruster(&self, kind: &UnknownKind, k: usize) -> Option<Entry> {
