@@ -78,12 +78,8 @@ impl From<&Model> for Vehicle {
         });
         let around = &model.environment;
         Self {
-            bodies: model
-                .bodies
-                .iter()
-                .map(|b| b.nominal.parameters())
-                .collect(),
-            spin_inertia: model.wheels.iter().map(|w| w.spin_inertia).collect(),
+            bodies: model.nominal_parameters(),
+            spin_inertia: model.spin_inertias(),
             nozzles: nozzles.collect(),
             modes: model.modes.iter().map(|m| m.mode).collect(),
             locked_at: joints.map(Joint::standing_at).collect(),

@@ -5,7 +5,7 @@ pub use poinsot_dynamics::propagation::{Mode, SpringNumber};
 pub use poinsot_dynamics::{
     Axes, ErrorKey, Nuisance, Orbit, Sensor, SensorKind, SlowError, SpringDamper, printed_unit,
 };
-use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+use poinsot_spatial::{InertialParameters, MassProperties, Matrix3, Vector3};
 use poinsot_telemetry::{STANDARD_GRAVITY, TelemetryMap};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -432,6 +432,16 @@ impl Model {
     /// Index of the joint with this name.
     pub fn joint(&self, name: &str) -> Option<usize> {
         self.joints.iter().position(|j| j.name == name)
+    }
+
+    /// The ten nominal parameters of each body.
+    pub fn nominal_parameters(&self) -> Vec<InertialParameters> {
+        self.bodies.iter().map(|b| b.nominal.parameters()).collect()
+    }
+
+    /// Spin inertia of each wheel, kg m2.
+    pub fn spin_inertias(&self) -> Vec<f64> {
+        self.wheels.iter().map(|w| w.spin_inertia).collect()
     }
 
     /// Index of the wheel with this name.

@@ -343,7 +343,7 @@ pub fn integrate(
     let start = rows("start", &start, 13)?;
     let bodies = bodies(model, parameters.as_ref())?;
     let wheels = model.model.wheels.len();
-    let spin: Vec<f64> = model.model.wheels.iter().map(|w| w.spin_inertia).collect();
+    let spin = model.model.spin_inertias();
     let one_time = 2 * dof + 13;
     let width = one_time * times.len();
     fill_each(

@@ -30,10 +30,9 @@ pub struct CoreModel {
 
 impl From<Model> for CoreModel {
     fn from(model: Model) -> Self {
-        let nominal = model.bodies.iter().map(|b| b.nominal.parameters());
         Self {
             tree: Arc::new(Tree::new(&model)),
-            nominal: nominal.collect(),
+            nominal: model.nominal_parameters(),
             file: None,
             model,
         }

@@ -77,11 +77,7 @@ impl OnBoard {
             assumed.push("assumed: all joints stay where the model puts them".to_owned());
         }
         kinematics.place(&tree, &q);
-        let mut others: Vec<InertialParameters> = model
-            .bodies
-            .iter()
-            .map(|b| b.nominal.parameters())
-            .collect();
+        let mut others = model.nominal_parameters();
         others[0] = InertialParameters::ZERO;
         let known = composite(&others, &kinematics).parameters();
         let nominal = with_answer(body, answer);

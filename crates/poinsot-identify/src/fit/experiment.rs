@@ -93,12 +93,7 @@ impl<'a> Experiment<'a> {
         Self {
             problem,
             parameters,
-            nominal_spin: problem
-                .model
-                .wheels
-                .iter()
-                .map(|w| w.spin_inertia)
-                .collect(),
+            nominal_spin: problem.model.spin_inertias(),
             thrusters: problem.model.thrusters.clone(),
             unknown: problem
                 .segments
@@ -188,10 +183,9 @@ impl<'a> Experiment<'a> {
     where
         'a: 'b,
     {
-        let wheels = problem.model.wheels.iter();
         Experiment {
             problem,
-            nominal_spin: wheels.map(|w| w.spin_inertia).collect(),
+            nominal_spin: problem.model.spin_inertias(),
             thrusters: problem.model.thrusters.clone(),
             ..self.with_parameters(parameters)
         }

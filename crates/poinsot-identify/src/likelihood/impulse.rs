@@ -112,12 +112,7 @@ pub(crate) fn noise_accumulates(problem: &Problem) -> bool {
     let noise = problem.noise;
     let (position, attitude) = (one(&noise.position), one(&noise.attitude));
     let (velocity, rate) = (one(&noise.velocity), one(&noise.gyro));
-    let bodies: Vec<_> = problem
-        .model
-        .bodies
-        .iter()
-        .map(|b| b.nominal.parameters())
-        .collect();
+    let bodies = problem.model.nominal_parameters();
     let whole = composite(&bodies, &Kinematics::new(problem.tree));
     let inertia = whole.I_SBo_B.trace() / 3.0;
     problem.segments.iter().any(|segment| {

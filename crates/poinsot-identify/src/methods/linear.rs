@@ -163,7 +163,7 @@ fn solve(problem: &Problem, centres: Option<&[Vector3]>) -> Result<Reduced, Prob
     let fires = problem.segments.iter().any(|s| !s.firings.is_empty());
     let parameters = Parameters::new(problem.model, problem.tree, equations, fires)?;
     let wheels = &problem.model.wheels;
-    let nominal_spin: Vec<f64> = wheels.iter().map(|w| w.spin_inertia).collect();
+    let nominal_spin = problem.model.spin_inertias();
     let spin_inertia: Vec<f64> = wheels
         .iter()
         .map(|w| if w.estimate { 0.0 } else { w.spin_inertia })
@@ -373,12 +373,7 @@ fn segments(
     reduced: &[ReducedSegment],
     x: &[f64],
 ) -> (Vec<StartOfSegment>, Vec<SegmentFit>) {
-    let spin: Vec<f64> = problem
-        .model
-        .wheels
-        .iter()
-        .map(|w| w.spin_inertia)
-        .collect();
+    let spin = problem.model.spin_inertias();
     problem
         .segments
         .iter()

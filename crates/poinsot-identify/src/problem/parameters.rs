@@ -91,8 +91,7 @@ impl Parameters {
         equations: Equations,
         thrusters_fire: bool,
     ) -> Result<Self, Faults> {
-        let nominal = model.bodies.iter().map(|b| b.nominal.parameters());
-        let mut parameters = Self::all_known(model, tree, &nominal.collect::<Vec<_>>());
+        let mut parameters = Self::all_known(model, tree, &model.nominal_parameters());
         parameters.equations = equations;
         parameters.estimate = model.bodies.iter().map(|b| b.estimate).collect();
         match equations {

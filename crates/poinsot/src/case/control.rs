@@ -4,7 +4,7 @@ use super::planner::{Part, Planner};
 use poinsot_dynamics::{AttitudeControl, Plan, Target, WheelDrive, WheelLimits, composite};
 use poinsot_dynamics::{Kinematics, WheelMotion};
 use poinsot_formats::case::{CaseFile, ControlFile, ControlWheelFile};
-use poinsot_spatial::{InertialParameters, Matrix3};
+use poinsot_spatial::Matrix3;
 
 impl Planner<'_> {
     /// The plan of a case with a controller: locked joints, and all wheels under the law.
@@ -126,9 +126,7 @@ impl Planner<'_> {
         let locked = (0..tree.dof()).map(|k| self.joint(k).standing_at());
         let mut kinematics = Kinematics::new(tree);
         kinematics.place(tree, &locked.collect::<Vec<_>>());
-        let bodies = self.model.bodies.iter();
-        let parameters: Vec<InertialParameters> = bodies.map(|b| b.nominal.parameters()).collect();
-        composite(&parameters, &kinematics).I_SScm_B()
+        composite(&self.model.nominal_parameters(), &kinematics).I_SScm_B()
     }
 }
 

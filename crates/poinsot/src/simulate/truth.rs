@@ -245,9 +245,7 @@ fn initial(model: &Model, s: &MotionSample) -> InitialFile {
 
 /// The vehicle as one body at the first sample, about the base origin and in base axes.
 fn system(model: &Model, s: &MotionSample) -> TrueBodyFile {
-    let bodies = model.bodies.iter();
-    let parameters: Vec<_> = bodies.map(|b| b.nominal.parameters()).collect();
-    let whole = composite(&parameters, &s.kinematics);
+    let whole = composite(&model.nominal_parameters(), &s.kinematics);
     let joints = moving(model).zip(&s.q);
     TrueBodyFile {
         joint_positions: joints.map(|(j, q)| (position(j), *q)).collect(),

@@ -18,9 +18,8 @@ pub struct Mover {
 impl Mover {
     /// The vehicle with the nominal numbers of its model.
     pub fn of_model(model: Model) -> Self {
-        let bodies = model.bodies.iter();
         Self {
-            bodies: bodies.map(|b| b.nominal.parameters()).collect(),
+            bodies: model.nominal_parameters(),
             thrust_factor: vec![1.0; model.thrusters.len()],
             model,
         }

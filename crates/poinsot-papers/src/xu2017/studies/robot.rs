@@ -138,11 +138,10 @@ impl<'a> Robot<'a> {
     /// The models cannot be read.
     pub fn new(context: &Context<'a>) -> Result<Self, StudyError> {
         let right = context.model("cases/xu2017_truth.toml")?;
-        let truth = right.bodies.iter().map(|b| b.nominal.parameters());
         Ok(Self {
             context: *context,
             model: context.model("xu2017/model.toml")?,
-            truth: truth.collect(),
+            truth: right.nominal_parameters(),
         })
     }
 
@@ -219,8 +218,7 @@ impl<'a> Robot<'a> {
     /// The robot as one body, for the equivalent single body.
     pub fn one_body(&self, inertia_only: bool) -> Model {
         let mut model = self.model.clone();
-        let nominal = model.bodies.iter().map(|b| b.nominal.parameters());
-        let guess = whole(&Tree::new(&model), &nominal.collect::<Vec<_>>());
+        let guess = whole(&Tree::new(&model), &model.nominal_parameters());
         model.bodies.truncate(1);
         model.joints.clear();
         model.sensors.retain(|s| !s.kind.is_scalar());

@@ -128,8 +128,7 @@ fn path(degrees: f64, period: f64) -> Vec<(f64, f64)> {
 pub fn paths(context: &Context) -> Result<Findings, StudyError> {
     let robot = Robot::new(context)?;
     let tree = Tree::new(&robot.model);
-    let bodies = robot.model.bodies.iter().map(|b| b.nominal.parameters());
-    let bodies: Vec<_> = bodies.collect();
+    let bodies = robot.model.nominal_parameters();
     let normal = vec![0.0; tree.dof()];
     let titles = PATHS.map(|(angle, period)| format!("+-{angle} deg in {period} s"));
     let title = format!(
