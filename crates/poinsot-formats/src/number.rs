@@ -109,13 +109,6 @@ impl<T> Axes<T> {
     }
 }
 
-impl VectorFile {
-    /// Component 0, 1 or 2.
-    pub fn number(&self, k: usize) -> NumberFile {
-        self.named()[k % 3].1.clone()
-    }
-}
-
 impl<T> Elements<T> {
     /// Every element with its name, in the order of the file.
     pub fn named(&self) -> [(&'static str, &T); 6] {

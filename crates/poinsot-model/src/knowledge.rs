@@ -20,16 +20,6 @@ pub enum Origin {
     Measured,
 }
 
-impl Origin {
-    /// Name in the model file.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Cad => "cad",
-            Self::Measured => "measured",
-        }
-    }
-}
-
 /// One known number, vector or tensor of the model; the index is that in its table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum KnownNumber {

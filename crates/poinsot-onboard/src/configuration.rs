@@ -109,21 +109,6 @@ impl Configuration {
         }
     }
 
-    /// Makes parameters unknown, each with a prior sigma in its unit: those whose sigma is positive.
-    #[must_use]
-    pub fn with_unknown(mut self, sigma: &[f64; PARAMETERS]) -> Self {
-        self.prior = [[0.0; PARAMETERS]; PARAMETERS];
-        let mut at = 0;
-        for (unknown, sigma) in self.unknown.iter_mut().zip(sigma) {
-            *unknown = *sigma > 0.0;
-            if *unknown {
-                self.prior[at][at] = 1.0 / sigma;
-                at += 1;
-            }
-        }
-        self
-    }
-
     /// Adds a wheel; beyond [`WHEELS`] it is counted, and the configuration is refused.
     #[must_use]
     pub fn with_wheel(mut self, wheel: Wheel) -> Self {

@@ -64,7 +64,7 @@ fn setup(
     unknown: usize,
 ) -> Setup {
     let natural = natural(&truth);
-    let sigma = std::array::from_fn(|k| {
+    let sigma: [f64; 10] = std::array::from_fn(|k| {
         if k >= unknown {
             PRIOR * natural[k]
         } else {
@@ -73,10 +73,14 @@ fn setup(
     });
     configuration.nominal = truth.parameters();
     configuration.longest_gap_s = 1.0;
+    configuration.unknown = sigma.map(|sigma| sigma > 0.0);
+    for (at, sigma) in sigma.iter().skip(unknown).enumerate() {
+        configuration.prior[at][at] = 1.0 / sigma;
+    }
     Setup {
         name,
         truth,
-        configuration: configuration.with_unknown(&sigma),
+        configuration,
         sigma,
     }
 }
