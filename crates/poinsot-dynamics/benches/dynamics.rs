@@ -9,9 +9,8 @@ mod least_time;
 mod xu_arm;
 
 use least_time::{measure, measure_batch, processor_seconds};
-use poinsot_dynamics::propagation::{Inputs, Linearisation, PoseMomentum, Propagation};
 use poinsot_dynamics::*;
-use poinsot_spatial::{InertialParameters, UnitQuaternion, Vector3};
+use poinsot_spatial::{UnitQuaternion, Vector3};
 use std::hint::black_box;
 use xu_arm::{BATCH, RING, Rows};
 
@@ -25,7 +24,6 @@ const TORQUES: [f64; 6] = [1.0, -0.8, 0.6, 0.1, -0.05, 0.02];
 fn main() {
     kernels();
     batches();
-    linearised_steps();
     measurements();
     let tolerance = |relative| Tolerance {
         relative,
@@ -127,52 +125,6 @@ fn batches() {
     };
     measure_batch("batch_rk4_10ms_step", BATCH, || {
         black_box(batch::integrate(&tree, &parameters, &motors, steps, &mut states).is_ok());
-    });
-}
-
-/// One linearised step of pose and momentum: of the arm, and of a satellite with four wheels.
-fn linearised_steps() {
-    let single = Tree {
-        links: vec![Link::base()],
-        rotors: [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]]
-            .map(|[x, y]| Rotor {
-                body: 0,
-                axis_B: Vector3::new(0.6 * x, 0.6 * y, 0.8),
-            })
-            .into(),
-        coordinates: Vec::new(),
-    };
-    let bodies = xu_arm::parameters();
-    linearised("arm", &xu_arm::tree(), &bodies, &[]);
-    linearised("pyramid", &single, &bodies[..1], &[0.02; 4]);
-}
-
-fn linearised(name: &str, tree: &Tree, bodies: &[InertialParameters], spin: &[f64]) {
-    let state = PoseMomentum {
-        R_NB: UnitQuaternion::from_euler_angles(0.1, 0.2, 0.3),
-        p_NoBo_N: Vector3::zeros(),
-        P: Vector3::new(1.0, 2.0, 3.0),
-        h_SScm_N: Vector3::new(2.0, -3.0, 1.0),
-    };
-    let (q, rates) = (vec![0.3; tree.dof()], vec![0.1; tree.dof()]);
-    let wheel_speed = vec![100.0; spin.len()];
-    let inputs = Inputs {
-        q: &q,
-        rates: &rates,
-        wheel_speed: &wheel_speed,
-    };
-    let Ok(mut vehicle) = Propagation::new(tree, bodies, spin) else {
-        return;
-    };
-    let mut out = Linearisation::new(tree);
-    measure(&format!("step_{name}"), || {
-        let state = black_box(&state);
-        black_box(vehicle.step(state, [inputs; 3], None, 0.1).is_ok());
-    });
-    measure(&format!("linearised_step_{name}"), || {
-        let done = vehicle.linearise(black_box(&state), [inputs; 3], None, 0.1, &mut out);
-        black_box(done.is_ok());
-        black_box(&mut out);
     });
 }
 

@@ -4,7 +4,7 @@
 //! with it: the part of its momentum that is the parent's motion changes with the subtree's mass, first moment and
 //! inertia; the part that is relative to the parent turns with the subtree.
 
-use crate::algebra::{M3, Real, V3};
+use crate::algebra::{M3, V3};
 use crate::inertial::Inertial;
 use crate::kinematics::Kinematics;
 use crate::tree::{Motion, Tree};
@@ -52,38 +52,29 @@ impl SubtreeMotion {
 
 /// Slopes over one joint coordinate, linear part first.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct JointSlope<T = f64> {
+pub struct JointSlope {
     /// Momentum per joint rate (rad/s or m/s).
-    pub rate: Vector6<T>,
+    pub rate: Vector6<f64>,
     /// Change of the momentum per joint position (rad or m), twist and rates held; wheels included.
-    pub position: Vector6<T>,
+    pub position: Vector6<f64>,
     /// Change of the first moment of the vehicle per joint position, kg m.
-    pub first_moment: Vector3<T>,
+    pub first_moment: Vector3<f64>,
 }
 
 /// Scratch; one call of [`JointSlopes::fill`] makes all slopes.
-#[derive(Debug, Clone)]
-pub struct JointSlopes<T = f64> {
+#[derive(Debug, Clone, Default)]
+pub struct JointSlopes {
     /// One per joint coordinate.
-    pub of: Vec<JointSlope<T>>,
-    subtrees: Vec<Subtree<T>>,
-}
-
-impl<T> Default for JointSlopes<T> {
-    fn default() -> Self {
-        Self {
-            of: Vec::new(),
-            subtrees: Vec::new(),
-        }
-    }
+    pub of: Vec<JointSlope>,
+    subtrees: Vec<Subtree>,
 }
 
 /// A body with all that it carries, about `Bo` in base axes.
 #[derive(Debug, Clone, Copy)]
-struct Subtree<T> {
-    body: Inertial<T>,
-    l: V3<T>,
-    h: V3<T>,
+struct Subtree {
+    body: Inertial<f64>,
+    l: V3<f64>,
+    h: V3<f64>,
 }
 
 impl JointSlopes {
@@ -97,44 +88,8 @@ impl JointSlopes {
         spin_inertia: &[f64],
         wheel_speed: &[f64],
     ) {
-        let bodies = bodies.iter().map(Inertial::of);
-        self.fill_over(tree, bodies, kinematics, (spin_inertia, wheel_speed));
-    }
-
-    /// A body with all that it carries, about `Bo`, and the momentum of that, at the state of the last [`JointSlopes::fill`].
-    pub(crate) fn carried(&self, body: usize) -> (Inertial<f64>, Vector6<f64>) {
-        let whole = &self.subtrees[body];
-        (whole.body, stack(&whole.l, &whole.h))
-    }
-
-    /// Slopes over a motion at the state of the last [`JointSlopes::fill`].
-    pub fn along(&self, kinematics: &Kinematics, motion: &SubtreeMotion) -> JointSlope {
-        let axis = V3::of(&motion.axis_B(kinematics));
-        let whole = &self.subtrees[motion.link];
-        whole.slope(kinematics, motion.link, motion.frame, &axis, motion.turns)
-    }
-}
-
-impl<T: Real> JointSlopes<T> {
-    /// With room for a vehicle.
-    pub(crate) fn with_room(tree: &Tree) -> Self {
-        Self {
-            of: Vec::with_capacity(tree.dof()),
-            subtrees: Vec::with_capacity(tree.bodies()),
-        }
-    }
-
-    /// The same over any numbers.
-    #[inline(always)]
-    pub(crate) fn fill_over(
-        &mut self,
-        tree: &Tree,
-        bodies: impl Iterator<Item = Inertial<T>>,
-        kinematics: &Kinematics<T>,
-        (spin_inertia, wheel_speed): (&[T], &[T]),
-    ) {
         self.subtrees.clear();
-        for (i, body) in bodies.enumerate() {
+        for (i, body) in bodies.iter().map(Inertial::of).enumerate() {
             self.subtrees.push(alone(&body, kinematics, i));
         }
         for (rotor, (js, omega)) in tree.rotors.iter().zip(spin_inertia.iter().zip(wheel_speed)) {
@@ -162,10 +117,23 @@ impl<T: Real> JointSlopes<T> {
             self.subtrees[link.parent].add(&whole);
         }
     }
+
+    /// A body with all that it carries, about `Bo`, and the momentum of that, at the state of the last [`JointSlopes::fill`].
+    pub(crate) fn carried(&self, body: usize) -> (Inertial<f64>, Vector6<f64>) {
+        let whole = &self.subtrees[body];
+        (whole.body, stack(&whole.l, &whole.h))
+    }
+
+    /// Slopes over a motion at the state of the last [`JointSlopes::fill`].
+    pub fn along(&self, kinematics: &Kinematics, motion: &SubtreeMotion) -> JointSlope {
+        let axis = V3::of(&motion.axis_B(kinematics));
+        let whole = &self.subtrees[motion.link];
+        whole.slope(kinematics, motion.link, motion.frame, &axis, motion.turns)
+    }
 }
 
 #[inline(always)]
-fn alone<T: Real>(body: &Inertial<T>, kinematics: &Kinematics<T>, i: usize) -> Subtree<T> {
+fn alone(body: &Inertial<f64>, kinematics: &Kinematics, i: usize) -> Subtree {
     let (R, p) = (M3::of(&kinematics.R[i]), V3::of(&kinematics.p[i]));
     let (v, w) = (V3::of(&kinematics.v[i]), V3::of(&kinematics.w[i]));
     let own = body.turned(&R);
@@ -177,7 +145,7 @@ fn alone<T: Real>(body: &Inertial<T>, kinematics: &Kinematics<T>, i: usize) -> S
     }
 }
 
-impl<T: Real> Subtree<T> {
+impl Subtree {
     #[inline(always)]
     fn add(&mut self, other: &Self) {
         self.body += other.body;
@@ -188,12 +156,12 @@ impl<T: Real> Subtree<T> {
     #[inline(always)]
     fn slope(
         &self,
-        kinematics: &Kinematics<T>,
+        kinematics: &Kinematics,
         body: usize,
         frame: usize,
-        axis: &V3<T>,
+        axis: &V3<f64>,
         turns: bool,
-    ) -> JointSlope<T> {
+    ) -> JointSlope {
         let p = V3::of(&kinematics.p[body]);
         let w = V3::of(&kinematics.w[frame]);
         // The motion of the frame at the joint, and the subtree about it.
@@ -227,6 +195,6 @@ impl<T: Real> Subtree<T> {
 }
 
 #[inline(always)]
-fn stack<T: Real>(l: &V3<T>, h: &V3<T>) -> Vector6<T> {
+fn stack(l: &V3<f64>, h: &V3<f64>) -> Vector6<f64> {
     Vector6::new(l.x, l.y, l.z, h.x, h.y, h.z)
 }

@@ -65,7 +65,7 @@
 //!   measurements. `integrate.rs`: what integrators share. `dop853.rs`, `dop853_table.rs`: eighth order with step control and
 //!   dense output. `runge_kutta.rs`: fixed steps of fourth order. `run.rs`: motion through the requested times, `times.rs`. `thrust.rs`: thrusters.
 //! - `propagation/`: state of pose and momentum, the vehicle with locked joints, rows of the linearised equations, columns
-//!   over a step (`columns.rs`: several side by side), whole steps; `internal.rs`, `modes.rs`, `hinges.rs`: flexible modes and passive joints beside them. `quaternion.rs`: rotations over one number or several.
+//!   over a step (`columns.rs`: several side by side); `internal.rs`, `modes.rs`, `hinges.rs`: flexible modes and passive joints beside them. `quaternion.rs`: rotations over one number or several.
 //! - `measurement.rs`, `measurement/`: ideal sensors with derivatives, one file a kind. `sensors.rs`: simulated sensors.
 //!   `sensor_errors.rs`: model of sensor errors.
 //! - `orbit.rs`, `gravity_gradient.rs`: orbit and gravity gradient.

@@ -2,17 +2,16 @@
 #![allow(non_snake_case)]
 
 use nalgebra::{Rotation3, UnitQuaternion};
-use poinsot_dynamics::propagation::{Inputs, Linearisation, PoseMomentum, Propagation, StepError};
+use poinsot_dynamics::propagation::{
+    LockedVehicle, PoseMomentum, PoseMomentumRate, Rates, StepPoint, runge_kutta_step,
+};
 use poinsot_dynamics::{
     Accelerations, ForwardDynamics, InverseDynamics, JointInput, Kinematics, Link, MassMatrix,
-    Motion, Orbit, Rotor, Tree, Wrench, composite, momentum, momentum_regressor, orbit_state,
+    Motion, Orbit, Rotor, Tree, composite, momentum, momentum_regressor, orbit_state,
     wheel_momentum,
 };
 use poinsot_spatial::{InertialParameters, MassProperties, Matrix3, Vector3};
 use std::path::Path;
-
-/// Most steps that are linearised: each has a thousand numbers.
-const LINEARISED: u32 = 2;
 
 /// A base with a wheel, and an arm of two revolute joints about oblique axes and one prismatic joint.
 fn satellite() -> (Tree, Vec<InertialParameters>) {
@@ -114,55 +113,54 @@ fn values(states: u32) -> Vec<f64> {
         let (position, velocity) = orbit_state(3.986_004_418e14, &orbit, 100.0 * s);
         out.extend(position.iter().chain(velocity.iter()));
     }
-    // A vehicle that has mass and inertia always has a step.
-    let _ = steps((&tree, &parameters), states.min(LINEARISED), &mut out);
+    for state in 0..states {
+        // A vehicle that has mass and inertia always has a step.
+        let end = step(&tree, &parameters, f64::from(state));
+        out.extend(
+            end.iter()
+                .flat_map(|f| f.R_NB.coords.iter().chain(&f.p_NoBo_N)),
+        );
+        out.extend(end.iter().flat_map(|f| f.P.iter().chain(&f.h_SScm_N)));
+    }
     out
 }
 
-/// The step of pose and momentum with its linearisation, from each state on.
-fn steps(
-    (tree, bodies): (&Tree, &[InertialParameters]),
-    states: u32,
-    out: &mut Vec<f64>,
-) -> Result<(), StepError> {
-    let dt = 0.1;
-    let mut vehicle = Propagation::new(tree, bodies, &[0.04])?;
-    let mut step = Linearisation::new(tree);
-    let wrench = Wrench {
-        force: Vector3::new(0.5, -1.0, 2.0),
-        torque: Vector3::new(-0.3, 0.2, 0.1),
-    };
-    for state in 0..states {
-        let s = f64::from(state);
-        let start = PoseMomentum {
-            R_NB: UnitQuaternion::from_euler_angles(0.2 * s, -0.1 * s, 0.3),
-            p_NoBo_N: Vector3::new(s, 2.0, -s),
-            P: Vector3::new(4.0, -3.0, s),
-            h_SScm_N: Vector3::new(20.0, -10.0 * s, 15.0),
-        };
-        let at = |t: f64| {
-            let q = [0.3 * s + 0.2 * t, 1.0 - 0.7 * s + 0.05 * t, 0.02 * s];
-            (q, [0.2, 0.05, -0.01 * s], [300.0 - 20.0 * t])
-        };
-        let lists = [at(0.0), at(0.5 * dt), at(dt)];
-        let inputs = lists.each_ref().map(|(q, rates, wheel_speed)| Inputs {
-            q,
-            rates,
-            wheel_speed,
-        });
-        vehicle.linearise(&start, inputs, Some(&wrench), dt, &mut step)?;
-        let f = &step.f;
-        out.extend(f.R_NB.coords.iter().chain(&f.p_NoBo_N));
-        out.extend(f.P.iter().chain(&f.h_SScm_N));
-        out.extend(step.A.as_flattened());
-        for columns in [&step.B_q, &step.B_rates, &step.B_wheels] {
-            out.extend(columns.as_flattened().as_flattened());
-        }
-        out.extend(step.B_wrench.as_flattened());
-        out.extend(step.B_bodies.as_flattened().as_flattened());
-        out.extend(step.B_spin.as_flattened());
+/// The vehicle at the three times of a step, under a force and a torque about its mass centre.
+struct Pushed([LockedVehicle; 3]);
+
+impl Rates for Pushed {
+    fn rate(&mut self, at: StepPoint, state: &PoseMomentum) -> Option<PoseMomentumRate> {
+        let twist = self.0[at as usize].base_motion(state).twist;
+        let force = Vector3::new(0.5, -1.0, 2.0);
+        let torque = Vector3::new(-0.3, 0.2, 0.1);
+        Some(PoseMomentumRate::new(state, &twist, (&force, &torque)))
     }
-    Ok(())
+}
+
+/// The step of pose and momentum from a state on.
+fn step(tree: &Tree, bodies: &[InertialParameters], s: f64) -> Option<PoseMomentum> {
+    let dt = 0.1;
+    let start = PoseMomentum {
+        R_NB: UnitQuaternion::from_euler_angles(0.2 * s, -0.1 * s, 0.3),
+        p_NoBo_N: Vector3::new(s, 2.0, -s),
+        P: Vector3::new(4.0, -3.0, s),
+        h_SScm_N: Vector3::new(20.0, -10.0 * s, 15.0),
+    };
+    let mut kinematics = Kinematics::new(tree);
+    let mut locked = |t: f64| {
+        let q = [0.3 * s + 0.2 * t, 1.0 - 0.7 * s + 0.05 * t, 0.02 * s];
+        kinematics.place(tree, &q);
+        let rates = [0.2, 0.05, -0.01 * s];
+        kinematics.set_velocities(tree, &Vector3::zeros(), &Vector3::zeros(), &rates);
+        let whole = composite(bodies, &kinematics);
+        let mut joints = momentum(bodies, &kinematics);
+        let wheels = wheel_momentum(tree, &kinematics, &[0.04], &[300.0 - 20.0 * t]);
+        (0..3).for_each(|k| joints[3 + k] += wheels[k]);
+        LockedVehicle::new(&whole, &whole, &joints)
+    };
+    let mut pushed = Pushed([locked(0.0)?, locked(0.5 * dt)?, locked(dt)?]);
+    let rate = pushed.rate(StepPoint::Begin, &start)?;
+    runge_kutta_step(&start, &rate, dt, &mut pushed)
 }
 
 const STATES: u32 = 8;

@@ -1,4 +1,4 @@
-//! One step of a vehicle's pose and momentum, with its linearisation `{f, A, B_u, B_theta}`.
+//! One step of a vehicle's pose and momentum, with its linearisation.
 //!
 //! The state is the attitude `R_NB`, the position `p_NoBo`, the linear momentum `P` and the angular momentum `h` about the
 //! system's mass centre, all of them in N: twelve numbers `[dphi_B, dp_N, dP_N, dh_N]` of a small change, with
@@ -9,9 +9,8 @@
 //! R' = R [w]x,   p' = R v,   P' = R F,   h' = R T
 //! ```
 //!
-//! and about the mass centre the position enters nowhere. [`Propagation`] makes whole steps of one vehicle. The parts
-//! below it are for those who have inputs, forces or unknowns of their own: [`LockedVehicle`] gives the [`BaseMotion`] of a
-//! state, [`runge_kutta_step`] follows it, and [`StepRows`] carries the columns of the sensitivity along.
+//! and about the mass centre the position enters nowhere. [`LockedVehicle`] gives the [`BaseMotion`] of a state,
+//! [`runge_kutta_step`] follows it, and [`StepRows`] carries the columns of the sensitivity along.
 //!
 //! Everything works without the standard library. A step allocates nothing.
 
@@ -24,7 +23,6 @@ mod locked;
 mod modes;
 mod rows;
 mod state;
-mod vehicle;
 
 pub use carry::StepRows;
 #[cfg(feature = "std")]
@@ -40,7 +38,6 @@ pub use rows::{Matrix6x12, StateRows, pose_change};
 pub use state::{
     Moving, PoseMomentum, PoseMomentumRate, Rates, StepPoint, runge_kutta_step, state_in_middle,
 };
-pub use vehicle::{Inputs, Linearisation, Propagation, StepError};
 
 /// Numbers of a small change of the state.
 pub const STATE: usize = 12;
