@@ -1,7 +1,7 @@
 //! Use of the limits by a manoeuvre, and the vehicles of the prior that must hold them.
 
 use crate::design::{Asked, FEW_STEPS, ROBUST_PART};
-use crate::reliability::{Fleet, MOST_RUNS, Point, RUNS, Reliability};
+use crate::reliability::{Fleet, Point, RUNS, Reliability};
 use crate::result::Uses;
 use crate::search::{Found, evaluated, refine};
 use crate::shape::{Space, linear_uses};
@@ -14,6 +14,7 @@ use poinsot_formats::LimitUseFile;
 use poinsot_model::Model;
 use poinsot_solve::Reached;
 use rayon::prelude::*;
+use std::ops::RangeInclusive;
 
 /// What the vehicles of the prior that bound a manoeuvre may leave of a limit, or exceed it by until the manoeuvre is made smaller.
 const ROOM: f64 = 0.005;
@@ -34,6 +35,9 @@ const HELD: f64 = 1.0e-6;
 /// it was searched with.
 const MARGIN_SEED: u64 = 1 << 32;
 const JUDGE_SEED: u64 = 1 << 33;
+/// Runs of the subset simulation in a round of the search, and for its end.
+const ROUND_RUNS: RangeInclusive<u64> = RUNS..=RUNS;
+const JUDGE_RUNS: RangeInclusive<u64> = RUNS..=4 * RUNS;
 
 /// How far a manoeuvre goes towards the watched limits.
 struct Nearest {
@@ -220,7 +224,7 @@ impl Asked<'_> {
     /// Adds what this manoeuvre lacks to hold the limits: critical vehicles, and margins for values between rows and for what the
     /// search did not resolve; their reach follows the share that exceeds a limit. Whether anything was added.
     fn tightened(&self, question: &mut Question, space: &Space, x: &[f64]) -> Result<bool, Error> {
-        let nearest = self.nearest(question, space, x, (MARGIN_SEED, RUNS))?;
+        let nearest = self.nearest(question, space, x, (MARGIN_SEED, &ROUND_RUNS))?;
         if nearest.fits(!question.critical.is_empty()) {
             return Ok(false);
         }
@@ -280,7 +284,7 @@ impl Asked<'_> {
         question: &Question,
         space: &Space,
         x: &[f64],
-        (seed, runs): (u64, u64),
+        (seed, runs): (u64, &RangeInclusive<u64>),
     ) -> Result<Nearest, Error> {
         let mut nearest = Nearest {
             limits: Vec::new(),
@@ -308,7 +312,7 @@ impl Asked<'_> {
         if has_prior(self.model) {
             let flying = Flying::new(question, self.model, &scenario, &nearest);
             let seed = self.design.seed ^ seed;
-            nearest.prior = Some(Reliability::of(&flying, (HELD, runs), seed)?);
+            nearest.prior = Some(Reliability::of(&flying, HELD, runs, seed)?);
         }
         Ok(nearest)
     }
@@ -319,7 +323,7 @@ impl Asked<'_> {
     /// A vehicle cannot fly the manoeuvre.
     fn uses(&self, question: &Question, space: &Space, x: &[f64]) -> Result<Uses, Error> {
         let mut limits = linear_uses(self.model, space, x);
-        let nearest = self.nearest(question, space, x, (JUDGE_SEED, MOST_RUNS))?;
+        let nearest = self.nearest(question, space, x, (JUDGE_SEED, &JUDGE_RUNS))?;
         let of = |(k, w): (usize, &Watched)| {
             let value = nearest.limits.get(k)?.value;
             let margin = -nearest.beyond(k);

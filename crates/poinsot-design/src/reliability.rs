@@ -10,7 +10,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 
 /// Share of the prior that may exceed some limit.
 pub(crate) const ALLOWED: f64 = 1.0e-4;
@@ -25,9 +25,8 @@ const TURNS: usize = 3;
 const TURNED: usize = 16;
 /// Cosine of a change of direction that is not followed.
 const TURNED_ENOUGH: f64 = 0.995;
-/// Runs of the subset simulation at once, whose scatter is the error of what they say, and at most; the relative error that is enough.
+/// Runs of the subset simulation at once, whose scatter is the error of what they say; the relative error that is enough.
 pub(crate) const RUNS: u64 = 8;
-pub(crate) const MOST_RUNS: u64 = 32;
 const ERROR: f64 = 0.2;
 /// Vehicles of a level, and levels.
 const EACH: usize = 250;
@@ -93,17 +92,23 @@ pub(crate) struct Reliability {
 }
 
 impl Reliability {
-    /// Of a prior; an excess up to `held` is none, and `runs` is the most that are spent on a share near [`ALLOWED`].
+    /// Of a prior; an excess up to `held` is none, and `runs` are the least and the most, for a share near [`ALLOWED`].
     ///
     /// # Errors
     /// A vehicle cannot fly.
-    pub fn of(fleet: &impl Fleet, (held, runs): (f64, u64), seed: u64) -> Result<Self, Error> {
+    pub fn of(
+        fleet: &impl Fleet,
+        held: f64,
+        runs: &RangeInclusive<u64>,
+        seed: u64,
+    ) -> Result<Self, Error> {
         let nominal = flown(fleet, vec![0.0; fleet.len()])?;
         let far = far(fleet, &nominal, REACH)?;
-        let runs = Runs::of(fleet, (held, runs), seed)?;
+        let runs = Runs::of(fleet, held, runs, seed)?;
         let (share, error) = runs.share_beyond(held);
         let mut found = Self {
-            tail: runs.tail().unwrap_or(nominal.most()),
+            // Without a vehicle nothing is told: the furthest ones have to hold.
+            tail: runs.tail().unwrap_or(f64::INFINITY),
             furthest: vec![nominal; far.first().map_or(0, |p| p.beyond.len())],
             share,
             error,
@@ -221,20 +226,25 @@ impl Level {
 struct Runs(Vec<Vec<Level>>);
 
 impl Runs {
-    fn of(fleet: &impl Fleet, (held, most): (f64, u64), seed: u64) -> Result<Self, Error> {
+    fn of(
+        fleet: &impl Fleet,
+        held: f64,
+        runs: &RangeInclusive<u64>,
+        seed: u64,
+    ) -> Result<Self, Error> {
         let run = |number| {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             rng.set_stream(number);
             levels(fleet, &mut rng)
         };
         let mut all = Self(Vec::new());
-        for first in (0..most).step_by(RUNS as usize) {
+        for first in (0..*runs.end()).step_by(RUNS as usize) {
             let more = (first..first + RUNS).into_par_iter().map(run);
             all.0.extend(more.collect::<Result<Vec<_>, Error>>()?);
             let (share, error) = all.share_beyond(held);
             // A share that is far from the allowed one need not be known well.
             let is_near = (share - ALLOWED).abs() < 2.0 * error + 0.5 * ALLOWED;
-            if error <= ERROR * share || !is_near {
+            if first + RUNS >= *runs.start() && (error <= ERROR * share || !is_near) {
                 break;
             }
         }
@@ -249,11 +259,11 @@ impl Runs {
     fn share_beyond(&self, excess: f64) -> (f64, f64) {
         let of_run = |levels: &Vec<Level>| {
             let level = levels.iter().rev().find(|level| level.from <= excess);
-            let Some(level) = level.or(levels.first()) else {
-                return 0.0;
-            };
+            // Without a vehicle of the prior nothing is told.
+            let level = level.or(levels.first()).filter(|l| !l.vehicles.is_empty());
+            let Some(level) = level else { return 1.0 };
             let beyond = level.vehicles.partition_point(|v| v.most() > excess);
-            level.share * beyond as f64 / level.vehicles.len().max(1) as f64
+            level.share * beyond as f64 / level.vehicles.len() as f64
         };
         let shares: Vec<f64> = self.0.iter().map(of_run).collect();
         let n = shares.len() as f64;
@@ -416,8 +426,9 @@ mod tests {
         }
     }
 
+    /// By 64 runs. By 256 the shares below are 6 to 18 % too large: levels of 250 vehicles err on this side.
     fn reliability<F: Fn(&[f64]) -> Vec<f64> + Sync>(n: usize, wall: f64, of: F) -> Reliability {
-        Reliability::of(&Plain { n, wall, of }, (0.0, MOST_RUNS), 1).unwrap()
+        Reliability::of(&Plain { n, wall, of }, 0.0, &(64..=64), 1).unwrap()
     }
 
     fn normal() -> Normal {
@@ -440,8 +451,7 @@ mod tests {
         // All but one in 10,000 are below 3.719 sigma.
         let quantile = normal().inverse_cdf(1.0 - ALLOWED) - 3.8;
         println!("tail {:.3}, truth {quantile:.3}", across.tail);
-        // Two standard errors of at most 20 % of the share are 0.1 sigma.
-        assert!((0.0..0.15).contains(&(across.tail - quantile)));
+        assert!((0.0..0.1).contains(&(across.tail - quantile)));
         // Bent: the distance from a point seven sigma away, in four numbers, is at most three and a half.
         let bent = reliability(4, 9.0, |z| {
             let away: f64 = (z[0] - 7.0).powi(2) + z[1..].iter().map(|z| z * z).sum::<f64>();
@@ -491,6 +501,13 @@ mod tests {
             assert!((share - truth).abs() < 3.0 * error, "{name}");
             assert!(error < 0.25 * truth && found.share() > truth, "{name}");
         }
+    }
+
+    /// A prior without a possible vehicle but the nominal one tells nothing: no share below one is stated.
+    #[test]
+    fn exact_nothing_is_told_without_a_vehicle() {
+        let none = reliability(2, -50.0, |z| vec![z[0] - 3.0]);
+        assert_eq!((none.share(), none.tail), (1.0, f64::INFINITY));
     }
 
     /// The nearest vehicle that goes as far as the tail, for a limit that bends: by a scan of the curve on which all do.
