@@ -463,7 +463,7 @@ fn within(folder: &Path, verb: &str, mib: u64) -> Output {
     )
 }
 
-/// Every cause that is tried has the covariance of all unknown numbers: 600 took 3.3 GB under a limit of 100 MB.
+/// Every cause that is tried has the covariance of all unknown numbers: 600 took 3.3 GB, which no limit saw.
 #[test]
 fn cli_many_unknown_numbers_need_memory() {
     let with = |gyros: usize| {
