@@ -20,7 +20,7 @@ class Model:
     """A checked vehicle: bodies, joints, wheels, thrusters, sensors, and what of them is unknown.
 
     Use :meth:`read`, :meth:`from_urdf`, :meth:`from_mjcf`, :meth:`from_text` or :meth:`from_dict`. To change a model, change its
-    dictionary and make a model of it; every way goes through the same checks.
+    dictionary and make a model of it; every way goes through the same checks. A call of the class is a TypeError.
 
     Examples
     --------
@@ -37,8 +37,17 @@ class Model:
     __slots__ = ("_core",)
     _core: CoreModel
 
-    def __init__(self, core: CoreModel) -> None:
-        self._core = core
+    def __init__(self, *arguments: object, **options: object) -> None:
+        raise TypeError(
+            "Model is not called directly; use Model.read(path), Model.from_urdf(path), Model.from_mjcf(path), "
+            "Model.from_text(text) or Model.from_dict(values)"
+        )
+
+    @classmethod
+    def _of(cls, core: CoreModel) -> Model:
+        made = cls.__new__(cls)
+        made._core = core
+        return made
 
     @classmethod
     def read(cls, path: PathLike) -> Model:
@@ -54,7 +63,7 @@ class Model:
         InputError
             The file is refused; ``lines`` holds all findings.
         """
-        return cls(CoreModel.read(path))
+        return cls._of(CoreModel.read(path))
 
     @classmethod
     def from_urdf(cls, path: PathLike) -> Model:
@@ -65,7 +74,7 @@ class Model:
         path
             The file. Its root link is the base.
         """
-        return cls(CoreModel.from_urdf(path))
+        return cls._of(CoreModel.from_urdf(path))
 
     @classmethod
     def from_mjcf(cls, path: PathLike, *, base: str | None = None) -> Model:
@@ -99,7 +108,7 @@ class Model:
         name
             What messages call it.
         """
-        return cls(CoreModel.from_text(text, name))
+        return cls._of(CoreModel.from_text(text, name))
 
     @classmethod
     def from_dict(cls, values: Mapping[str, Any]) -> Model:
@@ -110,11 +119,12 @@ class Model:
         values
             Keys as in the file; numbers may be arrays of NumPy. Entries that are None are left out.
         """
-        return cls(CoreModel.from_dict(dict(values)))
+        return cls._of(CoreModel.from_dict(dict(values)))
 
     def to_dict(self) -> dict[str, Any]:
         """Return the tables of the model file; :meth:`from_dict` takes them back."""
-        return json.loads(self._core.json())
+        values: dict[str, Any] = json.loads(self._core.json())
+        return values
 
     def to_toml(self) -> str:
         """Return the text of the model file."""
@@ -143,7 +153,7 @@ class Model:
         path
             A map or a model file.
         """
-        return Model(self._core.with_map(path))
+        return Model._of(self._core.with_map(path))
 
     @property
     def name(self) -> str:

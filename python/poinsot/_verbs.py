@@ -273,7 +273,7 @@ def simulate(case: PathLike, *, out: PathLike | None = None, progress: Progress 
         As of :func:`identify`.
     """
     record, truth = _core.simulate(case, out, _reporter(progress))
-    return Simulation(Telemetry(record), json.loads(truth))
+    return Simulation(Telemetry._of(record), json.loads(truth))
 
 
 def predict(

@@ -17,7 +17,7 @@ from ._errors import InputError, need, read_by
 from ._model import Model
 from ._mujoco import tables
 from ._mujoco_log import MujocoLog
-from ._telemetry import Telemetry
+from ._telemetry import Telemetry, of_log
 
 __all__ = [
     "MujocoLog",
@@ -146,7 +146,8 @@ def _taken(source: str, read: Any, time_s: str, names: Mapping[str, Any]) -> Tel
         return array.ravel() if array.ndim == 2 and 1 in array.shape else array
 
     times = of(time_s)
-    arrays = {argument: of(name) for argument, name in names.items()}
+    # The names of the wheels are no names of variables.
+    arrays = {argument: name if argument == "wheels" else of(name) for argument, name in names.items()}
     for argument, array in arrays.items():
         # Vectors of samples may stand in columns.
         if isinstance(array, np.ndarray) and array.ndim == 2 and array.shape[0] != times.shape[0] == array.shape[1]:
@@ -246,12 +247,10 @@ def _of_ros(messages: Mapping[str, Sequence[Any]], imu: str | None, attitude: st
     parts: list[Telemetry] = []
     if imu is not None:
         rates = [[m.angular_velocity.x, m.angular_velocity.y, m.angular_velocity.z] for m in messages[imu]]
-        parts.append(Telemetry.from_arrays(time_s=times(imu), omega_rad_s=rates, name=f"<{imu}>"))
+        parts.append(of_log(f"<{imu}>", time_s=times(imu), omega_rad_s=rates))
     if attitude is not None:
         turns = [m.orientation if hasattr(m, "orientation") else m.pose.orientation for m in messages[attitude]]
-        parts.append(
-            Telemetry.from_arrays(time_s=times(attitude), q_xyzw=[[q.x, q.y, q.z, q.w] for q in turns], name=f"<{attitude}>")
-        )
+        parts.append(of_log(f"<{attitude}>", time_s=times(attitude), q_xyzw=[[q.x, q.y, q.z, q.w] for q in turns]))
     if joints is not None:
         names = list(messages[joints][0].name)
         columns: dict[str, Any] = {}
@@ -259,7 +258,7 @@ def _of_ros(messages: Mapping[str, Sequence[Any]], imu: str | None, attitude: st
             columns[f"{name}_rad"] = [m.position[k] for m in messages[joints]]
             if all(len(m.velocity) == len(names) for m in messages[joints]):
                 columns[f"{name}_rad_s"] = [m.velocity[k] for m in messages[joints]]
-        parts.append(Telemetry.from_arrays(time_s=times(joints), columns=columns, name=f"<{joints}>"))
+        parts.append(of_log(f"<{joints}>", time_s=times(joints), columns=columns))
     return Telemetry.join(*parts)
 
 
@@ -300,7 +299,7 @@ def read_mcap(path: PathLike, topics: Mapping[str, Mapping[str, str]]) -> Teleme
             raise InputError(f"E0001 {os.fspath(path)}: no message of topic '{topic}'; correct its name")
         times = np.array([row[0] for row in rows[topic]], dtype=np.int64).astype("datetime64[ns]")
         table = {column: np.array([field(row[1], way) for row in rows[topic]]) for column, way in columns.items()}
-        parts.append(Telemetry.from_arrays(time_s=times, columns=table, name=f"<{topic}>"))
+        parts.append(of_log(f"<{topic}>", time_s=times, columns=table))
     return Telemetry.join(*parts)
 
 
@@ -335,13 +334,13 @@ def read_ulog(path: PathLike) -> Telemetry:
     topic, field = next(((t, f) for t, f in _PX4_RATES if t in topics), ("", ""))
     if topic:
         rates = np.column_stack([topics[topic][f"{field}[{k}]"] for k in range(3)])
-        parts.append(Telemetry.from_arrays(time_s=times(topics[topic]), omega_rad_s=rates, name=f"<{topic}>"))
+        parts.append(of_log(f"<{topic}>", time_s=times(topics[topic]), omega_rad_s=rates))
     if "vehicle_attitude" in topics:
         data = topics["vehicle_attitude"]
         # Scalar first in PX4.
         turns = np.column_stack([data[f"q[{k}]"] for k in (1, 2, 3, 0)]).astype(np.float64)
         turns /= np.linalg.norm(turns, axis=1, keepdims=True)
-        parts.append(Telemetry.from_arrays(time_s=times(data), q_xyzw=turns, name="<vehicle_attitude>"))
+        parts.append(of_log("<vehicle_attitude>", time_s=times(data), q_xyzw=turns))
     if not parts:
         raise InputError(f"E0001 {os.fspath(path)}: no vehicle_angular_velocity or vehicle_attitude; log them, or use from_arrays")
     return Telemetry.join(*parts)

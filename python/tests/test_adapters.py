@@ -9,6 +9,7 @@ import pytest
 
 import poinsot as pn
 from poinsot import adapters
+from poinsot._telemetry import of_log
 
 pytestmark = pytest.mark.extra
 
@@ -40,6 +41,8 @@ def test_exact_mat_of_scipy(samples, tmp_path, columns):
     record = adapters.read_mat(tmp_path / "run.mat", time_s="t", omega_rad_s="w", q_xyzw="q", wheel_rad_s={"w1": "rw1"})
     _check(record, samples)
     assert (record["w1_rad_s"][1] == samples["wheel"]).all()
+    of_one = adapters.read_mat(tmp_path / "run.mat", time_s="t", wheel_rad_s="rw1", wheels=["w1"])
+    assert (of_one["w1_rad_s"][1] == samples["wheel"]).all()
     with pytest.raises(pn.InputError, match="rw1"):
         adapters.read_mat(tmp_path / "run.mat", time_s="nope")
 
@@ -100,6 +103,14 @@ def test_exact_mcap(samples, tmp_path):
         writer.finish()
     columns = {f"omega_{a}": f"rate.{a}" for a in "xyz"} | {f"q_{a}": f"q.{k}" for k, a in enumerate("xyzw")}
     _check(adapters.read_mcap(tmp_path / "run.mcap", {"/imu": columns}), samples)
+
+
+def test_exact_rows_of_one_time_of_a_log_are_joined():
+    """A log may write a message twice; arrays may not."""
+    twice = {"time_s": [0.0, 0.1, 0.1, 0.2], "omega_rad_s": np.ones((4, 3))}
+    assert of_log("<log>", **twice)["omega_x"][0].tolist() == [0.0, 0.1, 0.2]
+    with pytest.raises(pn.InputError, match="E0208"):
+        pn.Telemetry.from_arrays(**twice)
 
 
 # Logs of PX4, published with the reader pyulog under the BSD licence: a flight of 2016, and a simulation of 2021.

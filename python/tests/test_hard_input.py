@@ -84,16 +84,101 @@ def test_exact_wrong_arrays_are_refused(arrays, change, word):
     assert refused.value.code.startswith("E0") and refused.value.advice
 
 
-@pytest.mark.parametrize(
-    ("row", "value", "code"),
-    [(5, np.inf, "E0203"), (5, np.nan, "E0208"), (5, -1.0, "E0208"), (5, 1e300, "E0208")],
-)
-def test_exact_times_that_are_none_are_refused(arrays, row, value, code):
+@pytest.mark.parametrize(("row", "value"), [(5, np.inf), (5, np.nan), (5, -1.0), (0, 1e300), (4, 0.25), (4800, 0.0)])
+def test_exact_times_that_are_none_are_refused_at_once(arrays, row, value):
+    """Where the record is made, with the index and the value."""
     times = arrays["time_s"].copy()
     times[row] = value
     with pytest.raises(pn.InputError) as refused:
-        _inertia(**arrays | {"time_s": times})
-    assert refused.value.code in (code, "E0208", "E0203") and "<arrays>" in refused.value.place
+        pn.Telemetry.from_arrays(**arrays | {"time_s": times})
+    # The first time that does not come after the one before it.
+    at = row + 1 if value == 1e300 else row
+    assert refused.value.code == "E0208" and refused.value.place == f"time_s[{at}]"
+    assert refused.value.advice and repr(float(times[at])) in str(refused.value)
+
+
+def test_exact_dates_that_are_none_are_refused_at_once():
+    times = np.datetime64("2026-03-14T18:19:00", "ms") + np.arange(4) * np.timedelta64(100, "ms")
+    for change, place in ((np.datetime64("NaT"), "time_s[2]"), (times[1], "time_s[2]")):
+        wrong = times.copy()
+        wrong[2] = change
+        with pytest.raises(pn.InputError) as refused:
+            pn.Telemetry.from_arrays(time_s=wrong, omega_rad_s=np.zeros((4, 3)))
+        assert refused.value.code == "E0208" and refused.value.place == place
+    assert "2026-03-14T18:19:00.1" in str(refused.value)
+
+
+def test_exact_frames_without_times_or_rows_are_refused_at_once():
+    """Rows of one time stay: they are joined, as those of a file."""
+
+    class Column(list):
+        def to_numpy(self):
+            return np.array(self, dtype=np.float64)
+
+    class Frame(dict):
+        @property
+        def columns(self):
+            return list(self)
+
+    def of(times):
+        return pn.Telemetry.from_frame(Frame(time_s=Column(times), omega_x=Column(np.ones(len(times)))))
+
+    for times, place in (([0.0, np.nan, 0.2], "time_s[1]"), ([], "time_s")):
+        with pytest.raises(pn.InputError) as refused:
+            of(times)
+        assert refused.value.place == place and refused.value.advice
+    assert of([0.0, 0.1, 0.1])["omega_x"][0].tolist() == [0.0, 0.1]
+
+
+def test_exact_wheel_speeds_as_one_array(arrays, plain):
+    """Names beside one array, and the other name of the argument, give the bits of a dictionary."""
+    speeds = arrays["wheel_rad_s"]
+    rest = {name: values for name, values in arrays.items() if name != "wheel_rad_s"}
+    table = np.column_stack(list(speeds.values()))
+    for given in (
+        {"wheel_rad_s": table, "wheels": list(speeds)},
+        {"wheel_speeds": table.tolist(), "wheels": tuple(speeds)},
+        {"wheel_speeds": speeds},
+    ):
+        assert (_inertia(**rest | given) == plain).all()
+    one = pn.Telemetry.from_arrays(time_s=arrays["time_s"], wheel_speeds=speeds["wheel1"], wheels="wheel1")
+    assert (one["wheel1_rad_s"][1] == speeds["wheel1"]).all()
+
+
+@pytest.mark.parametrize(
+    ("change", "place", "word"),
+    [
+        ({"wheel_rad_s": np.zeros((4801, 3))}, "wheel_rad_s", "wheels="),
+        ({"wheel_rad_s": [0.0, 1.0]}, "wheel_rad_s", "has no names"),
+        ({"wheel_rad_s": None, "wheel_speeds": np.zeros((4801, 3))}, "wheel_speeds", "wheels="),
+        ({"wheel_rad_s": np.zeros((4801, 3)), "wheels": ["a", "b"]}, "wheel_rad_s", r"expected \(4801, 2\)"),
+        ({"wheel_rad_s": np.zeros((3, 4801)), "wheels": ["a", "b", "c"]}, "wheel_rad_s", r"expected \(4801, 3\)"),
+        ({"wheel_rad_s": np.zeros((4801, 2)), "wheels": ["a", "a"]}, "wheels", "repeat"),
+        ({"wheels": ["wheel1"]}, "wheels", "no array"),
+        ({"wheel_speeds": {}}, "wheel_speeds", "another name"),
+        ({"joint_rad": np.zeros((4801, 2))}, "joint_rad", "name of the joint"),
+        ({"thruster_N": np.zeros(4801)}, "thruster_N", "name of the thruster"),
+        ({"columns": np.zeros((4801, 2))}, "columns", "has no names"),
+        ({"time_s": []}, "time_s", "holds no time"),
+        ({"wheel_rad_s": {"wheel1": []}}, "wheel_rad_s['wheel1']", "0 values for 4801 times"),
+    ],
+)
+def test_exact_arrays_that_are_guessed_wrong_are_refused_by_their_argument(arrays, change, place, word):
+    only_time = change.get("time_s") is not None
+    given = change | {"omega_rad_s": np.zeros((0, 3))} if only_time else arrays | change
+    with pytest.raises(pn.InputError, match=word) as refused:
+        pn.Telemetry.from_arrays(**given)
+    assert refused.value.place == place and refused.value.advice and isinstance(refused.value, ValueError)
+
+
+@pytest.mark.parametrize("arguments", [(), ({"time_s": [0.0]},), (STSAT3,)])
+def test_exact_a_call_of_a_class_names_its_constructors(arguments):
+    for of, ways in ((pn.Telemetry, ("read", "from_frame", "from_arrays", "from_bytes", "join")), (pn.Model, ("read", "from_urdf", "from_mjcf", "from_text", "from_dict"))):
+        with pytest.raises(TypeError) as refused:
+            of(*arguments)
+        assert all(f"{of.__name__}.{way}(" in str(refused.value) for way in ways)
+    with pytest.raises(TypeError, match="from_arrays"):
+        pn.Telemetry(time_s=[0.0], omega_rad_s=[[0.0, 0.0, 0.0]])
 
 
 def test_exact_infinite_values_are_refused_with_their_row(arrays):
