@@ -25,6 +25,7 @@ from ._model import Model
 from ._problem import Evaluation, Problem
 from ._telemetry import Telemetry
 from ._verbs import (
+    CampaignResult,
     Document,
     Simulation,
     campaign,
@@ -52,6 +53,7 @@ if hasattr(_os, "register_at_fork"):
 __all__ = [
     "Answer",
     "Body",
+    "CampaignResult",
     "Covariance",
     "Direction",
     "Document",

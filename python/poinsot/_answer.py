@@ -14,11 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
-from ._errors import InputError, write_text
+from ._errors import InputError, data_frame, write_text
 
 Array = NDArray[np.float64]
 PathLike = str | os.PathLike[str]
 
+# Units of the numbers of a body by the quantity that begins their address.
+_UNITS = {"mass_kg": "kg", "com_m": "m", "inertia_kg_m2": "kg m2"}
+_COLUMNS = ("body", "number", "value", "sigma", "unit", "nominal", "source")
 _ELEMENTS = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
 
 
@@ -120,6 +123,38 @@ class Body:
         """Whether every number has a value."""
         return all(source is not None for source in self.source.values())
 
+    def to_dataframe(self) -> Any:
+        """Return the numbers as a data frame of pandas (``pip install 'poinsot[frames]'``), one row each.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns ``body``, ``number`` (address, as in `source`), ``value``, ``sigma``, ``unit``, ``nominal`` and ``source``:
+            ``"data"``, ``"prior"``, ``"known"``, or ``"undetermined"``, where value and sigma are NaN.
+
+        Examples
+        --------
+        >>> import poinsot as pn
+        >>> answer = pn.identify("data/stsat3/model.toml", "data/stsat3/multiaxis/telemetry_noisy.csv")
+        >>> frame = answer.bodies["spacecraft"].to_dataframe().set_index("number")
+        >>> frame.source["mass_kg"], frame.unit["inertia_kg_m2.xx"]
+        ('known', 'kg m2')
+        """
+        return data_frame(self._rows(), _COLUMNS)
+
+    def _rows(self) -> list[tuple[Any, ...]]:
+        """Rows of a data frame with `_COLUMNS`."""
+        values = {"mass_kg": self.mass_kg, "com_m": self.com_m, "inertia_kg_m2": self.inertia_kg_m2}
+        sigmas = {"mass_kg": self.mass_sigma_kg, "com_m": self.com_sigma_m, "inertia_kg_m2": self.inertia_sigma_kg_m2}
+        rows: list[tuple[Any, ...]] = []
+        for address, source in self.source.items():
+            quantity, _, part = address.partition(".")
+            # The mass has no components.
+            at = _ELEMENTS[part] if part in _ELEMENTS else tuple("xyz".index(axis) for axis in part)
+            value, sigma = (float(np.asarray(of[quantity])[at]) for of in (values, sigmas))
+            rows.append((self.name, address, value, sigma, _UNITS[quantity], self.nominal[address], source or "undetermined"))
+        return rows
+
 
 @dataclass(frozen=True)
 class Covariance:
@@ -199,6 +234,29 @@ class Residuals:
     measured: Array
     predicted: Array
     residual: Array
+
+    def to_dataframe(self) -> Any:
+        """Return the samples as a data frame of pandas (``pip install 'poinsot[frames]'``), one row for each time.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns ``segment``, ``sensor``, ``time_s``, then ``measured_`` and ``predicted_`` with the name of each component,
+            in `unit`, and ``residual_x``, ``residual_y``, ``residual_z``, in `residual_unit`.
+
+        Examples
+        --------
+        >>> import poinsot as pn
+        >>> answer = pn.identify("data/stsat3/model.toml", "data/stsat3/multiaxis/telemetry_noisy.csv")
+        >>> frame = answer.residuals("gyro").to_dataframe()
+        >>> difference = frame.measured_omega_x - frame.predicted_omega_x
+        >>> bool((difference - frame.residual_x).abs().max() < 1e-15)
+        True
+        """
+        columns: dict[str, Any] = {"segment": self.segment, "sensor": self.sensor, "time_s": self.time_s}
+        for kind, values in (("measured", self.measured), ("predicted", self.predicted)):
+            columns |= {f"{kind}_{name}": values[:, k] for k, name in enumerate(self.components)}
+        return data_frame(columns | {f"residual_{axis}": self.residual[:, k] for k, axis in enumerate("xyz")})
 
 
 class Answer:
@@ -320,6 +378,30 @@ class Answer:
             names = ", ".join(dict.fromkeys(r.sensor for r in self.predictions)) or "none"
             raise InputError(f"E0001 sensor '{sensor}': segment {segment} has no such residuals; use one of {names}")
         return found[segment]
+
+    def to_dataframe(self) -> Any:
+        """Return the numbers of all bodies as a data frame of pandas (``pip install 'poinsot[frames]'``), one row each.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns of :meth:`Body.to_dataframe`, bodies in the order of the model.
+
+        Examples
+        --------
+        >>> import poinsot as pn
+        >>> answer = pn.identify("data/stsat3/model.toml", "data/stsat3/multiaxis/telemetry_noisy.csv")
+        >>> frame = answer.to_dataframe()
+        >>> print(frame.loc[frame.source == "data", ["body", "number", "value", "nominal"]].round(2).to_string(index=False))
+              body           number  value  nominal
+        spacecraft inertia_kg_m2.xx  13.92     15.0
+        spacecraft inertia_kg_m2.yy  16.95     16.0
+        spacecraft inertia_kg_m2.zz  19.89     21.0
+        spacecraft inertia_kg_m2.xy   0.08      0.0
+        spacecraft inertia_kg_m2.xz   0.13      0.0
+        spacecraft inertia_kg_m2.yz   0.59      0.0
+        """
+        return data_frame([row for body in self.bodies.values() for row in body._rows()], _COLUMNS)
 
     def to_dict(self) -> dict[str, Any]:
         """Return ``estimate.json`` as a dictionary; null is None."""

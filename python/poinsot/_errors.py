@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib import import_module
 from typing import Any, NamedTuple, TypeVar
 
@@ -124,6 +124,11 @@ def need(package: str, extra: str) -> Any:
         return import_module(package)
     except ImportError:
         raise InputError(f"E0001 {package}: this package is missing; pip install 'poinsot[{extra}]'") from None
+
+
+def data_frame(rows: Any, columns: Sequence[str] | None = None) -> Any:
+    """A data frame of pandas, which is imported here alone."""
+    return need("pandas", "frames").DataFrame(rows, columns=None if columns is None else list(columns))
 
 
 def read_by(path: str | os.PathLike[str], read: Callable[[], T], *, missing: str = "E0201", broken: str = "E0202") -> T:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from importlib import import_module
@@ -10,7 +11,7 @@ from typing import Any, TypeAlias
 
 from . import _cluster, _core
 from ._answer import Answer
-from ._errors import InputError
+from ._errors import InputError, data_frame
 from ._model import Model
 from ._telemetry import Telemetry, as_records
 
@@ -45,12 +46,58 @@ class Document(Mapping[str, Any]):
         return self._text
 
     def __repr__(self) -> str:
-        return f"<poinsot.Document {self._values.get('schema', '')} {', '.join(self._values)}>"
+        return f"<poinsot.{type(self).__name__} {self._values.get('schema', '')} {', '.join(self._values)}>"
 
     def _repr_html_(self) -> str:
         from html import escape
 
         return f"<pre>{escape(self._text)}</pre>"
+
+
+# Of a number in a campaign, those with an interval.
+_BANDED = ("bias", "rmse", "rmse_over_bound", "coverage_answered", "coverage_all")
+
+
+class CampaignResult(Document):
+    """The statistics of a campaign or a sweep as a dictionary, with the text that the command prints."""
+
+    def to_dataframe(self) -> Any:
+        """Return the statistics as a data frame of pandas (``pip install 'poinsot[frames]'``).
+
+        Returns
+        -------
+        pandas.DataFrame
+            One row for each number that some trial determined, of each method at each point: ``experiment``, the varied numbers by
+            their addresses, ``method``, ``number``, ``trials`` (those that determined it), ``bound``, ``stated``, then ``bias``,
+            ``rmse``, ``rmse_over_bound``, ``coverage_answered`` and ``coverage_all``, each followed by the ends of its interval,
+            ``bias_low``, ``bias_high`` ... NaN where there is none. The page of results explains them.
+
+        Examples
+        --------
+        >>> import poinsot as pn
+        >>> swept = pn.sweep("data/cases/stsat3_spin.toml", {"noise": [1, 2]}, trials=2)
+        >>> frame = swept.to_dataframe()
+        >>> bound = frame[frame.number == "spacecraft.inertia_kg_m2.xx"].set_index("noise").bound
+        >>> bool(abs(bound[2.0] / bound[1.0] - 2.0) < 0.01)
+        True
+        """
+        rows: list[dict[str, Any]] = []
+        varied = list(dict.fromkeys(address for cell in self["cells"] for address in cell["at"]))
+        for cell in self["cells"]:
+            for method in cell["methods"]:
+                head = {"experiment": cell["experiment"], **cell["at"], "method": method["method"]}
+                rows += [head | _statistics(name, number) for name, number in method["numbers"].items()]
+        ends = [f"{name}{end}" for name in _BANDED for end in ("", "_low", "_high")]
+        return data_frame(rows, ["experiment", *varied, "method", "number", "trials", "bound", "stated", *ends])
+
+
+def _statistics(name: str, number: Mapping[str, Any]) -> dict[str, Any]:
+    """A row of the data frame of a campaign; null is NaN."""
+    row: dict[str, Any] = {key: number[key] for key in ("trials", "bound", "stated")}
+    for statistic in _BANDED:
+        band = number[statistic]
+        row |= {statistic: band["value"], f"{statistic}_low": band["low"], f"{statistic}_high": band["high"]}
+    return {"number": name, **{key: math.nan if value is None else value for key, value in row.items()}}
 
 
 class Simulation:
@@ -391,7 +438,7 @@ def campaign(
     until: float | None = None,
     client: Any = None,
     progress: Progress = None,
-) -> Document:
+) -> CampaignResult:
     """Run the simulated trials of a plan, on all cores of this machine or on a cluster, and return their statistics.
 
     Parameters
@@ -426,9 +473,9 @@ def campaign(
 
 def _campaign(
     plan: _core.Plan, out: PathLike | None, resume: bool, until: float | None, client: Any, progress: Progress
-) -> Document:
+) -> CampaignResult:
     place = None if out is None else os.fspath(out)
-    return Document(*_cluster.campaign(plan, place, resume, until, client, _reporter(progress)))
+    return CampaignResult(*_cluster.campaign(plan, place, resume, until, client, _reporter(progress)))
 
 
 def sweep(
@@ -444,7 +491,7 @@ def sweep(
     resume: bool = False,
     client: Any = None,
     progress: Progress = None,
-) -> Document:
+) -> CampaignResult:
     """Repeat simulated trials of one case over numbers that vary, with one or several methods.
 
     Parameters

@@ -15,6 +15,15 @@ def pytest_configure() -> None:
     os.chdir(ROOT)
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Examples of data frames need pandas, as the tests that are marked so."""
+    for item in items:
+        examples = item.dtest.examples if isinstance(item, pytest.DoctestItem) else ()
+        if any("to_dataframe" in example.source for example in examples):
+            item.add_marker(pytest.mark.extra)
+
+
 @pytest.fixture(scope="session")
 def root() -> Path:
     return ROOT
