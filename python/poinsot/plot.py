@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 _ELEMENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
 # Points of a meridian of an ellipsoid: smooth at the size of a figure.
 _MERIDIAN = 40
+# Width of a character of a label, at 10 points, in inches.
+_CHARACTER_INCH = 0.09
 # Half-width of an interval of 95 %, in standard deviations.
 _INTERVAL = 1.96
 
@@ -161,7 +163,9 @@ def undetermined(answer: _Drawn) -> Figure:
     """
     directions = answer.undetermined
     names = list(dict.fromkeys(name for d in directions for name in d.coefficients))
-    figure, axes = _figure(1, 1, width=max(4.0, 0.35 * len(names)), height=max(1.5, 0.35 * len(directions) + 1.0))
+    # Names stand below their columns, directions beside their rows and before the colour bar.
+    below = _CHARACTER_INCH * max((len(name) for name in names), default=0)
+    figure, axes = _figure(1, 1, width=max(4.0, 0.35 * len(names) + 2.5), height=0.35 * max(3, len(directions)) + 0.5 + below)
     panel = axes[0, 0]
     if not directions:
         panel.text(0.5, 0.5, "every direction is determined", ha="center", va="center")

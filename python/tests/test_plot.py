@@ -26,6 +26,15 @@ def test_exact_every_kind_is_drawn(answers, kind, tmp_path):
         assert (tmp_path / f"{k}.png").stat().st_size > 3_000
 
 
+def test_unit_labels_of_directions_fit_into_the_figure(answers, recwarn):
+    """The layout of matplotlib gave up, by a warning, and cut the names off."""
+    figure = answers[1].plot("undetermined")
+    figure.draw_without_rendering()
+    assert not [str(w.message) for w in recwarn]
+    labels = [label.get_window_extent() for label in (*figure.axes[0].get_xticklabels(), *figure.axes[0].get_yticklabels())]
+    assert len(labels) == 6 + 3 and all(figure.bbox.contains(*corner) for label in labels for corner in (label.min, label.max))
+
+
 def test_exact_compare_marks_what_is_undetermined(answers):
     from poinsot import plot
 
