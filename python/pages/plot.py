@@ -5,28 +5,21 @@ Needs the package poinsot and matplotlib. Compared are the words of the figure: 
 version of matplotlib to the next.
 """
 
-import io
 import os
 import re
 import sys
 from pathlib import Path
 
-import matplotlib
 import poinsot as pn
 
 ROOT = Path(__file__).resolve().parents[2]
 PICTURE = ROOT / "docs/assets/plot.svg"
-# Text stays text, and identifiers and metadata are those of every run.
-STYLE = {"svg.fonttype": "none", "svg.hashsalt": "poinsot", "font.sans-serif": ["DejaVu Sans"]}
 
 
 def drawn() -> str:
     os.chdir(ROOT)
     answer = pn.identify("data/stsat3/model.toml", "data/stsat3/multiaxis/telemetry_noisy.csv")
-    file = io.StringIO()
-    with matplotlib.rc_context(STYLE):
-        answer.plot().savefig(file, format="svg", metadata={"Date": None, "Creator": None})
-    return "\n".join(line.rstrip() for line in file.getvalue().splitlines()) + "\n"
+    return answer.plot()._repr_svg_()
 
 
 def words(picture: str) -> list[str]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -42,7 +44,19 @@ def _figure(rows: int = 1, columns: int = 1, width: float = 4.0, height: float =
     except ImportError:
         raise InputError("E0001 plot: matplotlib is missing; pip install 'poinsot[plot]'") from None
     figure = matplotlib.figure.Figure(figsize=(width * columns, height * rows), layout="constrained")
+    # A notebook asks for this method; the figure's own needs pyplot.
+    setattr(figure, "_repr_svg_", partial(_svg, figure))
     return figure, figure.subplots(rows, columns, squeeze=False, **options)
+
+
+def _svg(figure: Figure) -> str:
+    """The figure as SVG with text as text; the same bytes at every run."""
+    import matplotlib
+
+    file = io.StringIO()
+    with matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": "poinsot", "font.sans-serif": ["DejaVu Sans"]}):
+        figure.savefig(file, format="svg", metadata={"Date": None, "Creator": None})
+    return "\n".join(line.rstrip() for line in file.getvalue().splitlines()) + "\n"
 
 
 def _body(answer: _Drawn, body: str | None) -> Any:
@@ -146,7 +160,8 @@ def residuals(answer: _Drawn, sensor: str | None = None, segment: int = 0) -> Fi
     figure, axes = _figure(len(names), 1, width=8.0, height=2.0, sharex=True)
     for panel, name in zip(axes[:, 0], names):
         found = answer.residuals(name, segment)
-        panel.plot(found.time_s, found.residual, ".", markersize=1.5)
+        # Thousands of points are pixels in an SVG or PDF too.
+        panel.plot(found.time_s, found.residual, ".", markersize=1.5, rasterized=True)
         panel.set(ylabel=f"{name} ({found.residual_unit})")
         panel.axhline(0.0, color="0.6", linewidth=0.8)
     axes[-1, 0].set(xlabel="time (s)")

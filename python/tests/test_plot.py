@@ -1,5 +1,7 @@
 """Figures: drawn without a screen, for determined and undetermined answers."""
 
+import pickle
+
 import pytest
 
 import poinsot as pn
@@ -24,6 +26,15 @@ def test_exact_every_kind_is_drawn(answers, kind, tmp_path):
             continue
         answer.plot(kind).savefig(tmp_path / f"{k}.png")
         assert (tmp_path / f"{k}.png").stat().st_size > 3_000
+
+
+def test_exact_a_notebook_shows_a_figure(answers):
+    """As SVG of at most 139 KB, the same at every run; without pyplot its size alone was shown."""
+    for kind in ("tensor", "residuals"):
+        shown = [answers[0].plot(kind)._repr_svg_() for _ in range(2)]
+        assert shown[0] == shown[1] and "<svg" in shown[0] and len(shown[0]) < 200_000
+    assert "time (s)" in shown[0]
+    assert len(pickle.dumps(answers[0].plot())) > 1000
 
 
 def test_unit_labels_of_directions_fit_into_the_figure(answers, recwarn):
