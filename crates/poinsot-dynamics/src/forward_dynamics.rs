@@ -20,7 +20,6 @@ use crate::algebra::{M3, Real, V3};
 use crate::articulated::{Articulated, round_off};
 use crate::inertial::Inertial;
 use crate::kinematics::Kinematics;
-use crate::symmetric::Symmetric;
 use crate::tree::{Link, Motion, Tree};
 use alloc::vec;
 use alloc::vec::Vec;
@@ -114,13 +113,8 @@ impl<T: Real> ForwardDynamics<T> {
     #[inline(always)]
     pub(crate) fn over(tree: &Tree, zero: T) -> Self {
         let nothing = V3::all(zero);
-        let inertia = Inertial {
-            mass: zero,
-            mc: nothing,
-            I: Symmetric::new([zero; 6]),
-        };
         let node = Node {
-            inertia: Articulated::of(&inertia),
+            inertia: Articulated::of(&Inertial::nothing(zero)),
             axis: nothing,
             r: nothing,
             U_l: nothing,

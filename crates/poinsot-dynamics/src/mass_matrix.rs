@@ -6,12 +6,14 @@
 //! joint momenta = H_bm^T [v; w] + H_m q'
 //! ```
 
+use crate::algebra::{M3, V3};
+use crate::inertial::Inertial;
 use crate::kinematics::Kinematics;
-use crate::momentum::{Composite, composite};
+use crate::momentum::composite;
 use crate::tree::{Motion, Tree};
 use alloc::vec;
 use alloc::vec::Vec;
-use poinsot_spatial::{InertialParameters, Matrix3, Matrix6, Vector3, Vector6, parallel_axis};
+use poinsot_spatial::{InertialParameters, Matrix6, Vector3, Vector6};
 
 /// The blocks of the mass matrix, and the scratch to fill them. No call allocates.
 ///
@@ -31,22 +33,17 @@ pub struct MassMatrix {
     pub H_bm: Vec<Vector6>,
     /// Symmetric block of the joint coordinates, row by row, `dof x dof`.
     pub H_m: Vec<f64>,
-    carried: Vec<Composite>,
+    carried: Vec<Inertial<f64>>,
 }
 
 impl MassMatrix {
     /// Scratch for a tree.
     pub fn new(tree: &Tree) -> Self {
-        let nothing = Composite {
-            mass: 0.0,
-            mc: Vector3::zeros(),
-            I_SBo_B: Matrix3::zeros(),
-        };
         Self {
             H_b: Matrix6::zeros(),
             H_bm: vec![Vector6::zeros(); tree.dof()],
             H_m: vec![0.0; tree.dof() * tree.dof()],
-            carried: vec![nothing; tree.bodies()],
+            carried: vec![Inertial::nothing(0.0); tree.bodies()],
         }
     }
 
@@ -93,34 +90,24 @@ impl MassMatrix {
         kinematics: &Kinematics,
     ) {
         for (i, body) in parameters.iter().enumerate() {
-            let R = &kinematics.R[i];
-            self.carried[i] = Composite {
-                mass: body.mass,
-                mc: R * body.mc_B,
-                I_SBo_B: R * body.I_BBo_B * R.transpose(),
-            };
+            self.carried[i] = Inertial::of(body).turned(&M3::of(&kinematics.R[i]));
         }
         for (i, link) in tree.links.iter().enumerate().skip(1).rev() {
             let r = kinematics.p[i] - kinematics.p[link.parent];
-            let child = self.carried[i];
-            let cross = Matrix3::identity() * (2.0 * r.dot(&child.mc))
-                - r * child.mc.transpose()
-                - child.mc * r.transpose();
-            let parent = &mut self.carried[link.parent];
-            parent.mass += child.mass;
-            parent.mc += child.mc + r * child.mass;
-            parent.I_SBo_B += child.I_SBo_B + parallel_axis(child.mass, &r) + cross;
+            let child = self.carried[i].seen_from(&V3::of(&r));
+            self.carried[link.parent] += child;
         }
     }
 
     /// Momentum `l`, `h` about body i's origin of what it carries, per unit rate of its joint.
     fn of_unit_rate(&self, tree: &Tree, kinematics: &Kinematics, i: usize) -> (Vector3, Vector3) {
         let (link, carried) = (&tree.links[i], &self.carried[i]);
-        let axis = link.axis_B(&kinematics.R[i]);
-        match link.motion {
+        let axis = link.axis_in_base(&M3::of(&kinematics.R[i]));
+        let (l, h) = match link.motion {
             Motion::Prismatic(_) => (axis * carried.mass, carried.mc.cross(&axis)),
-            _ => (axis.cross(&carried.mc), carried.I_SBo_B * axis),
-        }
+            _ => (axis.cross(&carried.mc), carried.I.times(&axis)),
+        };
+        (l.stored(), h.stored())
     }
 
     /// `H_bm q'`: momentum `[l; h]` about `Bo` of the joint rates while the base is at rest.
