@@ -19,14 +19,8 @@ use rand_distr::{Distribution, StandardNormal};
 /// and velocity both in N; a relative position both in the axes of the body from which it is seen. A lag shifts the times of the samples, not their values: see [`Instrument::lag_s`].
 #[derive(Debug, Clone)]
 pub struct Instrument {
-    kind: SensorKind,
-    body: usize,
-    seen_from: usize,
-    p_BoS_B: Vector3,
-    /// Whose direction is measured.
-    reference_N: Option<Vector3>,
-    /// Joint coordinates, wheels or thrusters read by a scalar sensor.
-    of: Vec<usize>,
+    /// What is declared; a scalar sensor is of joint coordinates, wheels or thrusters.
+    sensor: Sensor,
     /// Absent if the sensor's axes are the body's, to avoid round-off.
     R_BS: Option<Matrix3>,
     /// A square root of the noise covariance.
@@ -35,7 +29,6 @@ pub struct Instrument {
     slow: Vec<(SlowError, Vector3)>,
     /// Time of that sample, s.
     last_s: Option<f64>,
-    quantisation: f64,
     bias: Vec<f64>,
     /// Relative error of each joint, wheel or thruster of a scalar sensor.
     scales: Vec<f64>,
@@ -56,15 +49,13 @@ impl Instrument {
     pub fn new(sensor: &Sensor, tree: &Tree, seed: u64, stream: u64, bias: Option<&[f64]>) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(stream);
-        let of: Vec<usize> = match sensor.kind {
-            SensorKind::JointPosition | SensorKind::JointRate => sensor
-                .of
-                .iter()
-                .filter_map(|j| tree.coordinates.iter().position(|k| k == j))
-                .collect(),
-            _ => sensor.of.clone(),
-        };
-        let channels = if sensor.kind.is_scalar() { of.len() } else { 3 };
+        let mut sensor = sensor.clone();
+        if let SensorKind::JointPosition | SensorKind::JointRate = sensor.kind {
+            let place = |j| tree.coordinates.iter().position(|k| k == j);
+            sensor.of = sensor.of.iter().filter_map(place).collect();
+        }
+        let is_scalar = sensor.kind.is_scalar();
+        let channels = if is_scalar { sensor.of.len() } else { 3 };
         let bias = (0..channels)
             .map(|i| match (bias, sensor.bias) {
                 (Some(given), _) => given.get(i).or(given.first()).copied().unwrap_or(0.0),
@@ -73,25 +64,19 @@ impl Instrument {
             })
             .collect();
         Self {
-            scales: vec![0.0; if sensor.kind.is_scalar() { channels } else { 0 }],
+            scales: vec![0.0; if is_scalar { channels } else { 0 }],
             errors: SensorErrors::default(),
             slow: (sensor.slow.iter())
                 .map(|s| (*s, Vector3::zeros()))
                 .collect(),
             last_s: None,
-            kind: sensor.kind,
-            body: sensor.body,
-            seen_from: sensor.seen_from,
-            p_BoS_B: sensor.p_BoS_B,
-            reference_N: sensor.reference_N,
-            of,
             R_BS: (sensor.R_BS != Matrix3::identity()).then_some(sensor.R_BS),
             noise: sensor.noise_covariance.as_ref().map(square_root),
-            quantisation: sensor.quantisation,
             phase: vec![0.0; channels],
             bias,
             rng,
             last_velocity: None,
+            sensor,
         }
     }
 
@@ -106,7 +91,7 @@ impl Instrument {
     /// Draws the size of the quantisation steps, uniformly within this share of the declared step. For exactly
     /// repeating motion, the quantisation error is periodic, not white.
     pub fn draw_step(&mut self, share: f64) {
-        self.quantisation *= 1.0 + share * (2.0 * self.rng.random::<f64>() - 1.0);
+        self.sensor.quantisation *= 1.0 + share * (2.0 * self.rng.random::<f64>() - 1.0);
     }
 
     /// The current bias, in the sensor's axes.
@@ -158,22 +143,18 @@ impl Instrument {
     /// Replaces `out` with one reading: three numbers, four for an attitude (xyzw), one per joint, wheel
     /// or thruster. Empty for the first velocity increment, which has no beginning.
     pub fn read(&mut self, sample: &MotionSample, out: &mut Vec<f64>) {
-        if self.kind.is_scalar() {
-            let truth = scalars(self.kind, sample);
+        if self.sensor.kind.is_scalar() {
+            let truth = scalars(self.sensor.kind, sample);
             let of = |i: &usize| truth.get(*i).copied().unwrap_or(f64::NAN);
-            let exact: Vec<f64> = self.of.iter().map(of).collect();
+            let exact: Vec<f64> = self.sensor.of.iter().map(of).collect();
             return self.disturb(sample.time, &exact, out);
         }
-        let seen = ideal(
-            self.kind,
-            sample,
-            (self.body, &self.p_BoS_B),
-            (self.seen_from, self.reference_N),
-        );
-        match seen {
+        let own = &self.sensor;
+        let other = (own.seen_from, own.reference_N);
+        match ideal(own.kind, sample, (own.body, &own.p_BoS_B), other) {
             Some(Ideal::Rotation(q)) => self.disturb(sample.time, q.coords.as_slice(), out),
             Some(Ideal::Vector(mut x)) => {
-                if self.kind == SensorKind::VelocityIncrement {
+                if self.sensor.kind == SensorKind::VelocityIncrement {
                     let Some(last) = self.last_velocity.replace(x) else {
                         return out.clear();
                     };
@@ -188,7 +169,7 @@ impl Instrument {
     /// Replaces `out` with the reading at a time, s, for the ideal values `exact`, in the same order.
     pub fn disturb(&mut self, time_s: f64, exact: &[f64], out: &mut Vec<f64>) {
         out.clear();
-        match (self.kind, exact) {
+        match (self.sensor.kind, exact) {
             (kind, &[x, y, z, w]) if kind.is_rotation() => {
                 let q = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
                 out.extend(self.attitude(time_s, q).coords.iter());
@@ -214,7 +195,9 @@ impl Instrument {
     }
 
     fn corrupt(&mut self, time_s: f64, x: Vector3) -> Vector3 {
-        let turn = self.R_BS.filter(|_| self.kind.axes() == Axes::Sensor);
+        let turn = self
+            .R_BS
+            .filter(|_| self.sensor.kind.axes() == Axes::Sensor);
         let own = turn.map_or(x, |R| R.transpose() * x);
         let mut own = self.errors.change(&own) + self.bias_and_noise(time_s);
         for (i, x) in own.iter_mut().enumerate() {
@@ -228,11 +211,11 @@ impl Instrument {
         let error = self.bias_and_noise(time_s);
         let error = self.R_BS.map_or(error, |R| R * error);
         let q = q * UnitQuaternion::from_scaled_axis(error);
-        if self.quantisation == 0.0 {
+        if self.sensor.quantisation == 0.0 {
             return q.into_inner();
         }
         // A rotation of one LSB changes a component by half of it.
-        let lsb = 0.5 * self.quantisation;
+        let lsb = 0.5 * self.sensor.quantisation;
         Quaternion::from(q.coords.map(|x| (x / lsb).round() * lsb)).normalize()
     }
 
@@ -256,9 +239,9 @@ impl Instrument {
     }
 
     fn round(&self, x: f64, channel: usize) -> f64 {
-        if self.quantisation > 0.0 {
+        if self.sensor.quantisation > 0.0 {
             let phase = self.phase.get(channel).copied().unwrap_or(0.0);
-            ((x / self.quantisation + phase).round() - phase) * self.quantisation
+            ((x / self.sensor.quantisation + phase).round() - phase) * self.sensor.quantisation
         } else {
             x
         }
