@@ -165,19 +165,13 @@ impl<K: Kernel> Work for Run<'_, K> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Self::Output {
-        let Self {
-            tree,
-            states,
-            kernel,
-            width,
-            out,
-        } = self;
+        let (tree, states, kernel, width) = (self.tree, self.states, self.kernel, self.width);
         let zero = Lanes::new(simd, 0.0);
         let mut kinematics = Kinematics::over(tree, zero);
         let mut scratch = kernel.scratch(tree, zero);
         let mut q = vec![zero; tree.dof()];
         let mut rates = q.clone();
-        for (group, of) in Groups::new(tree, simd, width, out) {
+        for (group, of) in Groups::new(tree, simd, width, self.out) {
             let at = group.rows(states.q, tree.dof());
             let moving = group.rows(states.rates, tree.dof());
             for (j, (q, rate)) in q.iter_mut().zip(&mut rates).enumerate() {

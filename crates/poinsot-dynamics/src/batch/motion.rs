@@ -77,19 +77,13 @@ impl Work for Moving<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Self::Output {
-        let Self {
-            tree,
-            bodies,
-            motors,
-            steps,
-            states,
-        } = self;
+        let (tree, bodies, steps) = (self.tree, self.bodies, self.steps);
         let width = JOINTS + 2 * tree.dof();
         let zero = Lanes::new(simd, 0.0);
         let mut y = vec![zero; width];
         let mut rule = RungeKutta4::like(&y);
-        let mut flow = FreeMotion::new(tree, spread(tree, bodies, zero), motors, zero);
-        for (mut group, of) in Groups::new(tree, simd, width, states) {
+        let mut flow = FreeMotion::new(tree, spread(tree, bodies, zero), self.motors, zero);
+        for (mut group, of) in Groups::new(tree, simd, width, self.states) {
             group.gather(bodies, &mut flow.bodies);
             let first = std::mem::take(&mut group.first);
             let rows = group.rows(of, width);

@@ -51,35 +51,25 @@ impl Work for Carrying<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self {
-            rows,
-            columns,
-            drives:
-                ColumnDrives {
-                    pose,
-                    push,
-                    internal,
-                },
-            dt,
-        } = self;
-        let pushed = push.is_some() || rows.momentum.iter().any(Option::is_some);
+        let (rows, columns, drives, dt) = (self.rows, self.columns, self.drives, self.dt);
+        let pushed = drives.push.is_some() || rows.momentum.iter().any(Option::is_some);
         let flexible = rows.modes.iter().any(Option::is_some);
         for first in (0..columns.len()).step_by(Lanes::<S>::COUNT) {
             if flexible {
                 let mut x: [Lanes<S>; COLUMN] = gather(simd, columns, first);
-                let drives = Drives {
-                    pose: driven(simd, pose, first),
-                    push: driven(simd, push, first),
-                    internal: driven(simd, internal, first),
+                let driven = Drives {
+                    pose: driven(simd, drives.pose, first),
+                    push: driven(simd, drives.push, first),
+                    internal: driven(simd, drives.internal, first),
                 };
-                rows.carry_flexible(&mut x, &drives, dt);
+                rows.carry_flexible(&mut x, &driven, dt);
                 scatter(&x, columns, first);
                 continue;
             }
             let mut x: [Lanes<S>; STATE] = gather(simd, columns, first);
-            let pose = driven(simd, pose, first);
+            let pose = driven(simd, drives.pose, first);
             if pushed {
-                rows.carry(&mut x, &pose, &driven(simd, push, first), dt);
+                rows.carry(&mut x, &pose, &driven(simd, drives.push, first), dt);
             } else {
                 let [.., a, b, c, d, e, f] = x;
                 let momentum = [a, b, c, d, e, f];
@@ -125,11 +115,7 @@ impl Work for Multiplying<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self {
-            rows,
-            columns,
-            sums,
-        } = self;
+        let (rows, columns, sums) = (self.rows, self.columns, self.sums);
         let count = columns.len().min(sums.len());
         for first in (0..count).step_by(Lanes::<S>::COUNT) {
             let [px, py, pz, _, _, _, a, b, c, d, e, f]: [Lanes<S>; STATE] =
