@@ -77,7 +77,7 @@ impl Real for f64 {
 }
 
 /// A vector.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct V3<T> {
     pub x: T,
     pub y: T,
@@ -187,6 +187,12 @@ impl<T: Real> SubAssign for V3<T> {
     fn sub_assign(&mut self, b: Self) {
         *self = *self - b;
     }
+}
+
+/// `[a; b]`.
+#[inline(always)]
+pub(crate) fn stack<T: Real>(a: &V3<T>, b: &V3<T>) -> [T; 6] {
+    [a.x, a.y, a.z, b.x, b.y, b.z]
 }
 
 /// A matrix by its columns.

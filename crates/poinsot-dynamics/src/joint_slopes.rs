@@ -4,7 +4,7 @@
 //! with it: the part of its momentum that is the parent's motion changes with the subtree's mass, first moment and
 //! inertia; the part that is relative to the parent turns with the subtree.
 
-use crate::algebra::{M3, V3};
+use crate::algebra::{M3, V3, stack};
 use crate::inertial::Inertial;
 use crate::kinematics::Kinematics;
 use crate::tree::{Motion, Tree};
@@ -121,7 +121,7 @@ impl JointSlopes {
     /// A body with all that it carries, about `Bo`, and the momentum of that, at the state of the last [`JointSlopes::fill`].
     pub(crate) fn carried(&self, body: usize) -> (Inertial<f64>, Vector6<f64>) {
         let whole = &self.subtrees[body];
-        (whole.body, stack(&whole.l, &whole.h))
+        (whole.body, stack(&whole.l, &whole.h).into())
     }
 
     /// Slopes over a motion at the state of the last [`JointSlopes::fill`].
@@ -187,14 +187,9 @@ impl Subtree {
             first_moment = *axis * mass;
         }
         JointSlope {
-            rate: stack(&rate_l, &(rate_h + p.cross(&rate_l))),
-            position: stack(&dl, &(dh + p.cross(&dl))),
+            rate: stack(&rate_l, &(rate_h + p.cross(&rate_l))).into(),
+            position: stack(&dl, &(dh + p.cross(&dl))).into(),
             first_moment: first_moment.stored(),
         }
     }
-}
-
-#[inline(always)]
-fn stack(l: &V3<f64>, h: &V3<f64>) -> Vector6<f64> {
-    Vector6::new(l.x, l.y, l.z, h.x, h.y, h.z)
 }

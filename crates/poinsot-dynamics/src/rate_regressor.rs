@@ -1,6 +1,7 @@
 //! The regressor of the momentum's rate of change: the sensitivity of accelerometers to the parameters.
 
 use crate::acceleration::Accelerations;
+use crate::algebra::{V3, stack};
 use crate::kinematics::Kinematics;
 use crate::tree::Tree;
 use poinsot_spatial::{InertialParameters, Vector3, Vector6};
@@ -30,7 +31,7 @@ pub fn momentum_rate_column(
     unit[k] = 1.0;
     let (force, torque) =
         accelerations.body_rate(&InertialParameters::from_array(&unit), kinematics, i);
-    stack(&force, &torque)
+    stack(&V3::of(&force), &V3::of(&torque)).into()
 }
 
 /// Rate of change of the wheels' relative angular momentum, inertial rate in base axes, N m:
@@ -58,8 +59,4 @@ pub fn wheel_rate(
             (a * *omega_rate + kinematics.w[rotor.body].cross(&a) * *omega) * *js
         })
         .sum()
-}
-
-fn stack(force: &Vector3, torque: &Vector3) -> Vector6 {
-    Vector6::new(force.x, force.y, force.z, torque.x, torque.y, torque.z)
 }

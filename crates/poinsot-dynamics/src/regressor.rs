@@ -1,6 +1,6 @@
 //! The momentum regressor: the 6 x 10(n+1) matrix of linear identification.
 
-use crate::algebra::{M3, Real, V3};
+use crate::algebra::{M3, Real, V3, stack};
 use crate::kinematics::Kinematics;
 use crate::tree::Tree;
 use nalgebra::{Matrix3, Vector3};
@@ -99,11 +99,6 @@ pub fn wheel_regressor(tree: &Tree, kinematics: &Kinematics, speed: &[f64], Y: &
         let h = kinematics.R[rotor.body] * rotor.axis_B * *omega;
         *column = angular(&V3::of(&h));
     }
-}
-
-#[inline(always)]
-fn stack<T: Real>(l: &V3<T>, h: &V3<T>) -> [T; 6] {
-    [l.x, l.y, l.z, h.x, h.y, h.z]
 }
 
 #[inline(always)]

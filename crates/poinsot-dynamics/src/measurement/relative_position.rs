@@ -2,31 +2,27 @@
 //!
 //! No motion of the base changes it, so that it determines joints, not the base.
 
+use super::relative_velocity::apart;
 use super::{Carried, Ideal, Measurement, OverJoint, Scene};
 use crate::algebra::{Real, V3};
 
 /// `p_BrS_Br = R_BBr^T (p_BoS_B - p_BoBr_B)`.
 #[inline(always)]
 pub(super) fn measure<T: Real>(scene: &Scene<T>) -> Measurement<T> {
-    let (seen, from) = (scene.point, scene.from);
-    let to_from = from.R_BiB();
-    let apart = V3::of(&seen.r) - V3::of(&from.r);
-    let carried = V3::of(&from.w).cross(&apart);
-    let v = V3::of(&seen.v) - V3::of(&from.v) - carried;
+    let (to_from, (r, v)) = (scene.from.R_BiB(), apart(scene));
     Measurement {
         rate: Some(to_from.times(&v).stored()),
-        ..Measurement::new(Ideal::vector(to_from.times(&apart)), v.x.all(0.0))
+        ..Measurement::new(Ideal::vector(to_from.times(&r)), v.x.all(0.0))
     }
 }
 
 #[inline(always)]
 pub(super) fn over_joint<T: Real>(scene: &Scene<T>, joint: Carried<T>) -> OverJoint<T> {
-    let to_from = scene.from.R_BiB();
-    let apart = V3::of(&scene.point.r) - V3::of(&scene.from.r);
+    let (to_from, (r, _)) = (scene.from.R_BiB(), apart(scene));
     OverJoint::position(match joint {
         Carried::Point(j) => to_from.times(&V3::of(&j.shift)),
         Carried::From(j) => {
-            let turned = V3::of(&j.turn).cross(&apart);
+            let turned = V3::of(&j.turn).cross(&r);
             -to_from.times(&(V3::of(&j.shift) + turned))
         }
     })

@@ -7,7 +7,7 @@ use crate::algebra::{Real, V3};
 
 /// Place and velocity of the point relative to body r, in base axes.
 #[inline(always)]
-fn apart<T: Real>(scene: &Scene<T>) -> (V3<T>, V3<T>) {
+pub(super) fn apart<T: Real>(scene: &Scene<T>) -> (V3<T>, V3<T>) {
     let (seen, from) = (scene.point, scene.from);
     let r = V3::of(&seen.r) - V3::of(&from.r);
     let carried = V3::of(&from.w).cross(&r);

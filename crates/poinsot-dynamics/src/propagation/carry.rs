@@ -161,17 +161,9 @@ impl StepRows<'_> {
         drives: &Drives<T>,
     ) -> [T; COLUMN] {
         let [p, q, r, _, _, _, a, b, c, d, e, f, internal @ ..] = x;
-        let (phi, momentum, one) = ([*p, *q, *r], [*a, *b, *c, *d, *e, *f], p.all(1.0));
-        let mut pose = self.pose[at].attitude_times(&phi);
-        add(&mut pose, &self.pose[at].momentum_times(&momentum), one);
-        add(&mut pose, &drives.pose[at], one);
-        let mut push = drives.push[at];
-        if let Some(rows) = self.momentum[at] {
-            add(&mut push, &rows.attitude_times(&phi), one);
-            if rows.is_coupled() {
-                add(&mut push, &rows.momentum_times(&momentum), one);
-            }
-        }
+        let (phi, momentum) = ([*p, *q, *r], [*a, *b, *c, *d, *e, *f]);
+        let drive = (&drives.pose, &drives.push);
+        let (mut pose, mut push) = self.slope(at, &(phi, momentum), drive);
         let mut own = drives.internal[at];
         if let Some(rows) = self.modes[at] {
             let columns = rows.attitude.iter().chain(&rows.momentum);

@@ -1,8 +1,7 @@
 //! The vehicle as one body at its joints' positions, and the motion of its base that pose and momentum give.
 
-use super::HALF;
 use super::state::PoseMomentum;
-use crate::algebra::{M3, Real, V3};
+use crate::algebra::{M3, Real, V3, stack};
 use crate::inertial::Inertial;
 use crate::momentum::{Composite, Twist};
 use crate::quaternion;
@@ -210,12 +209,6 @@ fn halves(x: &Vector6<f64>) -> (V3<f64>, V3<f64>) {
 }
 
 #[inline(always)]
-fn stacked((l, h): &(V3<f64>, V3<f64>)) -> Vector6<f64> {
-    Vector6::new(l.x, l.y, l.z, h.x, h.y, h.z)
-}
-
-/// `[a; b]`.
-#[inline(always)]
-pub(super) fn stack<T: Real>(a: &V3<T>, b: &V3<T>) -> [T; HALF] {
-    [a.x, a.y, a.z, b.x, b.y, b.z]
+pub(super) fn stacked((l, h): &(V3<f64>, V3<f64>)) -> Vector6<f64> {
+    Vector6::from(stack(l, h))
 }

@@ -17,7 +17,7 @@
 
 use super::hinges::{HeldChange, Hinge, PassiveJoints, Swinging};
 use super::internal::{INTERNAL, Internal, MOST_MODES, PerMode};
-use super::locked::{BaseMotion, LockedVehicle};
+use super::locked::{BaseMotion, LockedVehicle, stacked};
 use super::rows::{StateRows, pose_change};
 use super::state::{Moving, PoseMomentum, PoseMomentumRate};
 use super::{Column, HALF, STATE};
@@ -800,10 +800,8 @@ impl Flexibility {
             self.rate_change(motion, &change, &no_force)
         };
         let (attitude, momentum) = map.columns_mut();
-        for (out, held) in rows.attitude.iter_mut().zip(attitude) {
-            *out = follow(held).into();
-        }
-        for (out, held) in rows.momentum.iter_mut().zip(momentum) {
+        let outs = rows.attitude.iter_mut().chain(&mut rows.momentum);
+        for (out, held) in outs.zip(attitude.iter_mut().chain(momentum)) {
             *out = follow(held).into();
         }
         let R = *state.R_NB.to_rotation_matrix().matrix();
@@ -866,10 +864,6 @@ impl ModeRows {
 
 fn momenta(internal: &Internal) -> PerMode {
     PerMode::from_fn(|k, _| internal[2 * k + 1])
-}
-
-fn stacked((v, w): &(V3<f64>, V3<f64>)) -> Vector6<f64> {
-    Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z)
 }
 
 /// The linearised equations of the modes at one instant, column by column.

@@ -1,9 +1,9 @@
 //! Six rows of the linearised equations.
 
-use super::locked::{BaseMotion, stack};
+use super::locked::BaseMotion;
 use super::state::PoseMomentum;
 use super::{Column, HALF, STATE};
-use crate::algebra::{M3, Real, V3};
+use crate::algebra::{M3, Real, V3, stack};
 use crate::quaternion;
 use core::ops::Mul;
 use nalgebra::{Matrix3, SMatrix, Vector3, Vector6};
