@@ -6,7 +6,7 @@ use core::ops::AddAssign;
 use poinsot_spatial::InertialParameters;
 
 /// The ten inertial parameters of a body, or of several as one, about the origin of its frame.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Inertial<T> {
     pub mass: T,
     pub mc: V3<T>,

@@ -134,12 +134,7 @@ pub fn wheel_momentum(
 /// assert!((whole.I_SScm_B()[(2, 2)] - (1.5 + 8.0 / 3.0)).abs() < 1.0e-12);
 /// ```
 pub fn composite(parameters: &[InertialParameters], kinematics: &Kinematics) -> Composite {
-    let whole = whole(parameters.iter().map(Inertial::of), kinematics, 0.0);
-    Composite {
-        mass: whole.mass,
-        mc: whole.mc.stored(),
-        I_SBo_B: whole.I.full().stored(),
-    }
+    Composite::of(&whole(parameters.iter().map(Inertial::of), kinematics, 0.0))
 }
 
 /// [`composite`] and [`momentum`] in one pass: every tensor is turned to B once.
@@ -167,12 +162,10 @@ pub fn composite_and_momentum(
         h += own.I.times(&w) + own.mc.cross(&v) + p.cross(&dl);
         whole += own.seen_from(&p);
     }
-    let composite = Composite {
-        mass: whole.mass,
-        mc: whole.mc.stored(),
-        I_SBo_B: whole.I.full().stored(),
-    };
-    (composite, Vector6::new(l.x, l.y, l.z, h.x, h.y, h.z))
+    (
+        Composite::of(&whole),
+        Vector6::new(l.x, l.y, l.z, h.x, h.y, h.z),
+    )
 }
 
 /// The same over any numbers.
@@ -191,6 +184,14 @@ pub(crate) fn whole<T: Real>(
 }
 
 impl Composite {
+    fn of(whole: &Inertial<f64>) -> Self {
+        Self {
+            mass: whole.mass,
+            mc: whole.mc.stored(),
+            I_SBo_B: whole.I.full().stored(),
+        }
+    }
+
     /// Its ten parameters about the base origin.
     pub fn parameters(&self) -> InertialParameters {
         InertialParameters {

@@ -5,7 +5,7 @@ use core::ops::AddAssign;
 use nalgebra::Matrix3;
 
 /// A symmetric 3 x 3 matrix.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Symmetric<T = f64> {
     pub xx: T,
     pub xy: T,
@@ -19,14 +19,7 @@ impl Symmetric {
     /// The lower triangle of a matrix that is symmetric.
     #[inline]
     pub fn of(m: &Matrix3<f64>) -> Self {
-        Self {
-            xx: m.m11,
-            xy: m.m21,
-            yy: m.m22,
-            xz: m.m31,
-            yz: m.m32,
-            zz: m.m33,
-        }
+        Self::new([m.m11, m.m21, m.m22, m.m31, m.m32, m.m33])
     }
 }
 

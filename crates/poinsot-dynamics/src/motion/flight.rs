@@ -11,7 +11,7 @@ use crate::motion::wheel_motion::{Axial, WheelMotion};
 use crate::orbit::Orbit;
 use crate::propagation::MOST_MODES;
 use crate::thrust::Firing;
-use crate::tree::{Motion, Tree};
+use crate::tree::Tree;
 use crate::vehicle::{Gravity, Vehicle};
 use poinsot_spatial::{InertialParameters, Vector3};
 
@@ -134,7 +134,9 @@ impl<'p> Flight<'p> {
         {
             return Err(MotionError::InertialessWheel(i));
         }
-        let (allocation, free) = (allocate(tree, plan)?, free(tree, plan));
+        let allocation = allocate(tree, plan)?;
+        let is_free = |k: &usize| plan.joints[*k].is_free();
+        let free: Vec<usize> = (0..tree.dof()).filter(is_free).collect();
         let burns = |firing: &Firing| {
             let nozzle = vehicle.nozzles.get(firing.thruster);
             nozzle.is_some_and(|nozzle| nozzle.propellant.is_some())
@@ -189,17 +191,6 @@ impl<'p> Flight<'p> {
             }
         }
     }
-}
-
-/// The joint coordinates that forces move, in the order of the tree.
-fn free(tree: &Tree, plan: &Plan) -> Vec<usize> {
-    let coordinates = tree.links.iter().filter_map(|link| match link.motion {
-        Motion::Revolute(k) | Motion::Prismatic(k) => Some(k),
-        Motion::Fixed | Motion::Free => None,
-    });
-    coordinates
-        .filter(|k| plan.joints.get(*k).is_some_and(JointDrive::is_free))
-        .collect()
 }
 
 /// Shares of the controlled wheels in a torque on the body, at the placement at time zero.

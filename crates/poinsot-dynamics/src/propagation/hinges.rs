@@ -17,7 +17,7 @@ use crate::inertial::Inertial;
 use crate::joint_slopes::{JointSlopes, SubtreeMotion};
 use crate::kinematics::Kinematics;
 use crate::spring::SpringDamper;
-use crate::tree::{Motion, Tree};
+use crate::tree::Tree;
 use alloc::vec::Vec;
 use nalgebra::{Vector3, Vector6};
 
@@ -46,14 +46,9 @@ impl PassiveJoints {
         let known = |own: PassiveJoint| Some((own, SubtreeMotion::of_joint(tree, own.coordinate)?));
         let (joints, motions): (Vec<_>, Vec<_>) = joints.filter_map(known).take(MOST_MODES).unzip();
         let mut over = Vec::with_capacity(tree.bodies());
-        for link in &tree.links {
+        for (i, link) in tree.links.iter().enumerate() {
             let above = over.get(link.parent).copied().unwrap_or(0);
-            let own = joints
-                .iter()
-                .position(|j: &PassiveJoint| match link.motion {
-                    Motion::Revolute(k) | Motion::Prismatic(k) => k == j.coordinate,
-                    Motion::Fixed | Motion::Free => false,
-                });
+            let own = motions.iter().position(|m: &SubtreeMotion| m.link == i);
             over.push(above | own.map_or(0, |k| 1 << k));
         }
         Self {
@@ -131,7 +126,7 @@ impl PassiveJoints {
 }
 
 /// A joint at one placement, about the base's origin in base axes: motions are `[v; w]`, momenta `[l; h]`.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Hinge {
     /// Motion per unit of its rate.
     s: Vector6<f64>,
@@ -163,21 +158,6 @@ pub(super) struct Swinging<'a> {
     /// Twist of the base, and rate of each joint.
     pub twist: Vector6<f64>,
     pub rates: PerMode,
-}
-
-impl Default for Hinge {
-    fn default() -> Self {
-        let none = Vector6::zeros();
-        Self {
-            s: none,
-            body: Inertial::nothing(0.0),
-            swing: none,
-            carried: none,
-            parent: none,
-            inboard: 0,
-            moved: 0,
-        }
-    }
 }
 
 impl Hinge {
