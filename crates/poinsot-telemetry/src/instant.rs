@@ -1,7 +1,7 @@
 //! Exact instants: dates and counts become attoseconds of TAI, then seconds since a first sample.
 
 use crate::number::InvalidNumber;
-use hifitime::{Duration, Epoch, TimeScale, Unit};
+use hifitime::{Duration, Epoch, TimeScale, Unit, is_gregorian_valid};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -254,20 +254,13 @@ impl Calendar {
             let month = digits(&mut rest, 2)?;
             one_of(&mut rest, b"-/:")?;
             let of_month = digits(&mut rest, 2)?;
-            let (day, next) = match month {
-                12 => (day_number(year, 12, of_month), day_number(year + 1, 1, 1)),
-                _ => (
-                    day_number(year, month, of_month),
-                    day_number(year, month + 1, 1),
-                ),
-            };
-            if !(1..=12).contains(&month) || of_month < 1 || day >= next {
+            if !is_gregorian_valid(year as i32, month as u8, of_month as u8, 0, 0, 0, 0) {
                 return Err(InvalidNumber(
                     "has no such day of the month",
                     Some("correct it"),
                 ));
             }
-            day
+            day_number(year, month, of_month)
         };
         if !YEARS.contains(&year) {
             return Err(NO_YEAR);
