@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 pub const DESIGN: &str = "poinsot.design/3";
 
 /// A designed manoeuvre with its predicted accuracy.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct DesignFile {
     /// "poinsot.design/3".
     pub schema: String,
@@ -163,7 +163,7 @@ pub struct FrontPointFile {
 }
 
 /// The search for the manoeuvre.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SearchFile {
     /// Evaluations of manoeuvres.
     pub evaluations: usize,
