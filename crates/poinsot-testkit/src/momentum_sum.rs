@@ -217,19 +217,9 @@ pub fn system_momentum(
     let l_S_N = linear_momentum(bodies, state);
     // The system velocity cancels in the sum about the mass centre, but leaves round-off. Velocities are therefore
     // taken relative to the mass centre.
-    let v_NScm_N = l_S_N / mass;
-    let wheels_part = wheels
-        .iter()
-        .zip(&state.wheel_speeds)
-        .map(|(w, speed)| motions[w.host].R_NC * w.axis_C * (w.spin_inertia * speed))
-        .sum::<Vector3>();
-    let h_SScm_N = wheels_part
-        + both()
-            .map(|(b, m)| {
-                let arm = m.p_NCcm_N - p_NScm_N;
-                arm.cross(&(b.mass * (m.v_NCcm_N - v_NScm_N))) + spin_N(b, m)
-            })
-            .sum::<Vector3>();
+    let mut relative = state.clone();
+    relative.v_NBo_B -= state.R_NB.transpose() * (l_S_N / mass);
+    let h_SScm_N = angular_momentum_about(bodies, wheels, &relative, &p_NScm_N);
     let wheel_scale: f64 = wheels
         .iter()
         .zip(&state.wheel_speeds)
