@@ -67,20 +67,12 @@ pub(crate) fn unit_text(unit: &str, exponent: i32) -> String {
 
 /// An exponent as raised digits.
 pub(crate) fn superscript(exponent: i32) -> String {
-    exponent
-        .to_string()
-        .chars()
-        .map(|c| match c {
-            '-' => '⁻',
-            '1' => '¹',
-            '2' => '²',
-            '3' => '³',
-            c => c
-                .to_digit(10)
-                .and_then(|d| char::from_u32(0x2070 + d))
-                .unwrap_or(c),
-        })
-        .collect()
+    let raised = |c: char| {
+        let digit = c.to_digit(10).map(|d| d as usize);
+        let raised = digit.and_then(|d| "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().nth(d));
+        raised.unwrap_or('⁻')
+    };
+    exponent.to_string().chars().map(raised).collect()
 }
 
 #[cfg(test)]

@@ -182,11 +182,7 @@ fn short(x: f64) -> f64 {
 
 /// Components of a unit vector.
 fn unit(v: &Vector3) -> Vector3 {
-    if v.norm() > 0.0 {
-        v.normalize()
-    } else {
-        Vector3::z()
-    }
+    v.try_normalize(0.0).unwrap_or_else(Vector3::z)
 }
 
 #[cfg(test)]

@@ -2,10 +2,10 @@
 
 use super::Answer;
 use super::curves::group;
-use super::tensor::{equivalent_ellipsoid, matrix};
+use super::tensor::equivalent_ellipsoid;
 use poinsot_figures::{Arrow, Curve, Ellipsoid, Figure, Hinge, Point, Scene, Spot, Tree};
 use poinsot_formats::{DrawnBody, DrawnJoint, Pointer, Vehicle};
-use poinsot_spatial::{Matrix3, Vector3};
+use poinsot_spatial::{Matrix3, Vector3, tensor};
 
 /// Legend text and colour of a body.
 type Role = (&'static str, usize);
@@ -153,9 +153,7 @@ impl<'a> Builder<'a> {
     fn body(&mut self, body: usize, b: &DrawnBody, (name, colour): Role) {
         let R = Matrix3::from_row_slice(&b.rotation.concat());
         let centre = Vector3::from(b.origin_m) + R * Vector3::from(b.com_m);
-        let [xx, xy, yy, xz, yz, zz] = b.inertia_kg_m2;
-        let I = matrix(&[xx, yy, zz, xy, xz, yz]);
-        let Some(axes) = equivalent_ellipsoid(b.mass_kg, &I) else {
+        let Some(axes) = equivalent_ellipsoid(b.mass_kg, &tensor(b.inertia_kg_m2)) else {
             return;
         };
         let axes = axes.map(|a| R * Vector3::from(a));
