@@ -7,7 +7,7 @@
 use fearless_simd::{Level, dispatch};
 use poinsot_files::{Faults, Pace, check_memory, check_time};
 use poinsot_solve::lanes::{LANES, V};
-use rand::{Rng, SeedableRng};
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
@@ -206,11 +206,6 @@ pub struct Flight {
     pub on_bound: Vec<usize>,
 }
 
-/// Uniform in [0, 1).
-fn unit(dice: &mut ChaCha8Rng) -> f64 {
-    (dice.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
-}
-
 /// Minimises within a range; `watch` receives the best position after every iteration, and says whether to go on.
 ///
 /// ```
@@ -246,8 +241,9 @@ pub fn fly(
         die
     };
     let mut dice: Vec<ChaCha8Rng> = (0..n).map(die).collect();
-    let anywhere =
-        |die: &mut ChaCha8Rng| std::array::from_fn(|d| range.low[d] + range.width(d) * unit(die));
+    let anywhere = |die: &mut ChaCha8Rng| {
+        std::array::from_fn(|d| range.low[d] + range.width(d) * die.random::<f64>())
+    };
     let mut x: Vec<Particle> = dice.iter_mut().map(anywhere).collect();
     let mut v = vec![[0.0; 10]; n];
     let mut cost = vec![f64::INFINITY; n];
@@ -310,7 +306,8 @@ fn step(
 ) {
     for d in 0..10 {
         let fastest = 0.5 * range.width(d);
-        let pull = c1 * unit(die) * (own[d] - x[d]) + c2 * unit(die) * (best[d] - x[d]);
+        let pull = c1 * die.random::<f64>() * (own[d] - x[d])
+            + c2 * die.random::<f64>() * (best[d] - x[d]);
         v[d] = (w * v[d] + pull).clamp(-fastest, fastest);
         x[d] += v[d];
         if x[d] < range.low[d] || x[d] > range.high[d] {

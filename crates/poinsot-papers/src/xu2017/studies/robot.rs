@@ -259,9 +259,7 @@ pub fn properties(bodies: &[InertialParameters]) -> Vec<MassProperties> {
 
 /// Sum of all bodies in the normal configuration.
 pub fn whole(tree: &Tree, bodies: &[InertialParameters]) -> MassProperties {
-    let mut kinematics = Kinematics::new(tree);
-    kinematics.place(tree, &vec![0.0; tree.dof()]);
-    let whole = composite(bodies, &kinematics).parameters();
+    let whole = composite(bodies, &Kinematics::new(tree)).parameters();
     whole.mass_properties().unwrap_or(MassProperties::ZERO)
 }
 
