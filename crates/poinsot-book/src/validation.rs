@@ -55,17 +55,9 @@ pub fn validation() -> Result<Value, Fault> {
     Ok(context! { rows })
 }
 
-/// What a number is.
-#[derive(PartialEq)]
-enum Kind {
-    Mass,
-    Centre,
-    Inertia,
-}
-
 /// One determined number of an answer with its sigma and true value.
 struct Compared {
-    kind: Kind,
+    unit: &'static str,
     value: f64,
     sigma: f64,
     truth: f64,
@@ -82,9 +74,9 @@ fn row(record: &Record) -> Result<Value, Fault> {
         rank => i.rank,
         parameters => i.parameters,
         numbers => all.len(),
-        mass => worst(&all, &Kind::Mass),
-        centre => worst(&all, &Kind::Centre),
-        inertia => worst(&all, &Kind::Inertia),
+        mass => worst(&all, "kg"),
+        centre => worst(&all, "m"),
+        inertia => worst(&all, "kg m²"),
         within => all.iter().filter(holds).count(),
     })
 }
@@ -96,19 +88,12 @@ fn compare(answer: &EstimateFile, truth: &TruthFile) -> Vec<Compared> {
         let Some(true_body) = truth.bodies.get(name) else {
             continue;
         };
-        let mass = &true_body.mass;
-        let centre = mass.com_m.named().map(|(_, n)| n);
-        let inertia = mass.inertia_kg_m2.named().map(|(_, n)| n);
-        let truths = std::iter::once(&mass.mass_kg).chain(centre).chain(inertia);
-        for (k, ((_, _, n), truth)) in body.numbers().into_iter().zip(truths).enumerate() {
+        let truths = true_body.mass.numbers();
+        for ((_, unit, n), (.., truth)) in body.numbers().into_iter().zip(truths) {
             let estimated = n.source.is_some() && !n.is_known();
             if let (true, Some(value), Some(sigma)) = (estimated, n.value, n.sigma) {
                 out.push(Compared {
-                    kind: match k {
-                        0 => Kind::Mass,
-                        1..=3 => Kind::Centre,
-                        _ => Kind::Inertia,
-                    },
+                    unit,
                     value,
                     sigma,
                     truth: truth.value,
@@ -119,11 +104,11 @@ fn compare(answer: &EstimateFile, truth: &TruthFile) -> Vec<Compared> {
     out
 }
 
-/// Largest error of one kind: in mm for the mass centre, relative for mass and inertia.
-fn worst(all: &[Compared], kind: &Kind) -> String {
-    let of_kind = all.iter().filter(|c| c.kind == *kind);
-    let scale = match kind {
-        Kind::Centre => 1.0e-3,
+/// Largest error of the numbers with a unit: in mm for the mass centre, relative for mass and inertia.
+fn worst(all: &[Compared], unit: &str) -> String {
+    let of_kind = all.iter().filter(|c| c.unit == unit);
+    let scale = match unit {
+        "m" => 1.0e-3,
         _ => of_kind.clone().map(|c| c.truth.abs()).fold(0.0, f64::max),
     };
     let errors = of_kind.map(|c| (c.value - c.truth).abs() / scale);
