@@ -1,7 +1,7 @@
 //! `campaign` and `sweep`: plans, their shards, and the campaign around an engine of Python.
 
 use crate::fault::Fault;
-use crate::printed::{Printed, json, text};
+use crate::printed::{Printed, json};
 use crate::run::run;
 use poinsot::campaign::{
     CampaignRequest, CampaignRun, Plan, campaign, campaign_in_memory, made_plan, read_plan,
@@ -9,6 +9,7 @@ use poinsot::campaign::{
 };
 use poinsot::sweep::{SweepRequest, sweep_plan};
 use poinsot::{Error, check_outputs};
+use poinsot_figures::Document;
 use poinsot_report::campaign_document;
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
@@ -159,6 +160,6 @@ fn printed(ran: CampaignRun) -> Result<Printed, Fault> {
         return Err(Error::internal("a campaign of all shards gave no result").into());
     };
     let documents = campaign_document(&result);
-    let all: Vec<String> = documents.iter().map(text).collect();
+    let all: Vec<String> = documents.iter().map(Document::to_string).collect();
     Ok((json(&result)?, all.join("\n"), code))
 }

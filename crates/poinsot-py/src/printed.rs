@@ -1,17 +1,10 @@
 //! What a verb hands over to Python.
 
 use crate::fault::Fault;
-use poinsot_figures::{Document, TextStyle};
+use poinsot_figures::Document;
 
 /// JSON, text, exit code.
 pub(crate) type Printed = (String, String, u8);
-
-pub(crate) fn text(document: &Document) -> String {
-    document.text(&TextStyle {
-        width: None,
-        colour: false,
-    })
-}
 
 /// What a verb hands over: its file, what the command prints, and the exit code.
 pub(crate) fn printed<T: poinsot_formats::Serialize>(
@@ -19,7 +12,8 @@ pub(crate) fn printed<T: poinsot_formats::Serialize>(
     document: &Document,
     passes: bool,
 ) -> Result<Printed, Fault> {
-    Ok((json(file)?, text(document), poinsot_cli::exit_of(passes)))
+    let text = document.to_string();
+    Ok((json(file)?, text, poinsot_cli::exit_of(passes)))
 }
 
 /// A document as the text that crosses into Python.

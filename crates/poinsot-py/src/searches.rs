@@ -1,6 +1,6 @@
 //! The searches: `design`, and the studies of the papers.
 
-use crate::printed::{Printed, json, printed, text};
+use crate::printed::{Printed, json, printed};
 use crate::run::run;
 use poinsot::case::read_case;
 use poinsot::study::{find, findings_file, printed_findings, run as run_study};
@@ -58,9 +58,8 @@ pub fn study(
         let (mut findings, mut words) = (Vec::new(), Vec::new());
         for (paper, study) in find(Some(&paper), Some(&name))? {
             let found = run_study(study, &data)?;
-            words.push(text(&study_document(&printed_findings(
-                paper, study, &found,
-            ))));
+            let printed = printed_findings(paper, study, &found);
+            words.push(study_document(&printed).to_string());
             findings.push(findings_file(paper, study, &found));
         }
         let file = FindingsFile {

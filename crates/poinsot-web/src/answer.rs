@@ -4,7 +4,7 @@ use crate::Named;
 use poinsot::{
     Error, IDENTIFY_MIB, Question, Reading, estimate_file, identify_records, result_files,
 };
-use poinsot_figures::{TextStyle, Tone};
+use poinsot_figures::Tone;
 use poinsot_formats::{ModelInputFile, sha256};
 use poinsot_model::parse_model;
 use poinsot_report::{Detail, estimate_document};
@@ -79,13 +79,9 @@ pub fn identify(
         text: String::from_utf8_lossy(&bytes).into_owned(),
     };
     let document = estimate_document(&estimate_file(&identified), Detail::Answer);
-    let style = TextStyle {
-        width: None,
-        colour: false,
-    };
     Ok(Answer {
         exit_code: u8::from(!identified.passes()),
-        text: document.text(&style),
+        text: document.to_string(),
         verdict: document.verdict,
         tone: document.tone,
         files: files.into_iter().map(file).collect(),
