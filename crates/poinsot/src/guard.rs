@@ -1,6 +1,7 @@
 //! Turns a panic into a one-line error and exit code 4.
 
 use crate::Error;
+use std::any::Any;
 use std::panic::{AssertUnwindSafe, PanicHookInfo, catch_unwind, set_hook};
 use std::sync::{Mutex, PoisonError};
 
@@ -28,17 +29,20 @@ pub fn guarded<T>(verb: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
         .unwrap_or_else(|_| Err(last().take().unwrap_or_else(unknown)))
 }
 
+/// The words of a panic.
+pub(crate) fn panic_text(payload: &dyn Any) -> &str {
+    let text = payload.downcast_ref::<&str>().copied();
+    let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str));
+    text.unwrap_or("no message")
+}
+
 /// The error of a panic, E0009 or E0006, for a hook where panics cannot be caught.
 ///
 /// ```
 /// std::panic::set_hook(Box::new(|info| eprintln!("{}", poinsot::panic_error(info))));
 /// ```
 pub fn panic_error(info: &PanicHookInfo<'_>) -> Error {
-    let payload = info.payload();
-    let text = payload.downcast_ref::<&str>().copied();
-    let message = text
-        .or_else(|| payload.downcast_ref::<String>().map(String::as_str))
-        .unwrap_or("no message")
+    let message = panic_text(info.payload())
         .split_whitespace()
         .collect::<Vec<_>>()
         .join(" ");

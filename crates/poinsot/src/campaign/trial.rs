@@ -5,6 +5,7 @@ use super::experiment::Apply;
 use super::methods::MethodChoice;
 use super::plan::{Plan, Shard};
 use crate::error::Error;
+use crate::guard::panic_text;
 use crate::threads::{processor_time, since};
 use crate::trials::{Bound, Row, Study};
 use poinsot_formats::{DrawFile, OfFile};
@@ -133,11 +134,7 @@ fn guarded(study: &Study, tables: &[Table], choice: &MethodChoice) -> Result<Est
     let run = || study.estimate(tables, &choice.question, choice.diagnose);
     match catch_unwind(AssertUnwindSafe(run)) {
         Ok(outcome) => outcome.map_err(|error| error.to_string()),
-        Err(payload) => {
-            let text = payload.downcast_ref::<&str>().copied();
-            let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str));
-            Err(format!("{CRASHED} {}", text.unwrap_or("no message")))
-        }
+        Err(payload) => Err(format!("{CRASHED} {}", panic_text(&*payload))),
     }
 }
 
