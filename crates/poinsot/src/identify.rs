@@ -337,8 +337,6 @@ pub struct Gated {
     pub tree: Tree,
     /// Segments and noise.
     pub bound: Bound,
-    /// Findings of the telemetry checks.
-    pub findings: Vec<Finding>,
 }
 
 /// Reads and checks records as [`identify`] does, and binds them to the model.
@@ -354,7 +352,7 @@ pub struct Gated {
 /// let written = simulate::simulate(&folder.join("case.toml"), &out)?;
 /// let records = [vec![Part::File(written.telemetry)]];
 /// let input = gated(model, &records, &Reading::default(), &Question::default())?;
-/// assert_eq!((input.tree.bodies(), input.bound.segments.len(), input.findings.len()), (1, 1, 0));
+/// assert_eq!((input.tree.bodies(), input.bound.segments.len()), (1, 1));
 /// # std::fs::remove_dir_all(&out)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -368,15 +366,10 @@ pub fn gated(
     let model = mapped(model, reading)?;
     let tables = read_records(&model, records, reading, question);
     let mut tables = tables.map_err(|refusal| refusal.error)?;
-    let findings = gate(&model, &mut tables, question).map_err(|refusal| refusal.error)?;
+    gate(&model, &mut tables, question).map_err(|refusal| refusal.error)?;
     let tree = Tree::new(&model);
     let bound = bind(&model, &tree, &tables)?;
-    Ok(Gated {
-        model,
-        tree,
-        bound,
-        findings,
-    })
+    Ok(Gated { model, tree, bound })
 }
 
 /// Adds to a missing-channel error that several `--telemetry` are several segments, so the channel may be in another
