@@ -1,4 +1,4 @@
-/* Recursive estimate of the mass properties of a vehicle's base, for on-board software (C99).
+/* Recursive estimate of the mass properties of one body of a vehicle, for on-board software (C99).
  *
  * Frames, points and units: B is the body frame of the base with origin Bo, N an inertial frame; SI units; quaternions are
  * x, y, z, w of R_NB, which turns components in B into components in N.
@@ -16,15 +16,17 @@ extern "C" {
 #endif
 
 /* Version of this interface; poinsot_onboard_version() is that of the library. */
-#define POINSOT_ONBOARD_VERSION 1
+#define POINSOT_ONBOARD_VERSION 2
 /* Bytes of a table, from `poinsot export MODEL --to onboard`. */
-#define POINSOT_ONBOARD_TABLE 1380
+#define POINSOT_ONBOARD_TABLE 2708
 /* Most wheels. */
 #define POINSOT_ONBOARD_WHEELS 8
+/* Most joints. */
+#define POINSOT_ONBOARD_JOINTS 7
 /* Samples of the first window: the push of the last one replays them all, at most 24 times. */
 #define POINSOT_ONBOARD_WINDOW 150
 /* Bytes of a filter; poinsot_onboard_size() tells how many of them the target needs. */
-#define POINSOT_ONBOARD_SIZE 108000
+#define POINSOT_ONBOARD_SIZE 208000
 
 /* Codes of the functions, an int32_t. */
 enum {
@@ -46,12 +48,12 @@ enum {
     POINSOT_ONBOARD_TABLE_CHECKSUM = 35,   /* a byte changed */
     POINSOT_ONBOARD_CAPACITY = 36,         /* it needs more columns than the library has room for */
     POINSOT_ONBOARD_TABLE_NOT_FINITE = 37, /* a number is NaN or infinite */
-    POINSOT_ONBOARD_COUNT = 38,            /* too many wheels, or samples held back */
+    POINSOT_ONBOARD_COUNT = 38,            /* too many wheels, joints or samples held back; no such link */
     POINSOT_ONBOARD_NOISE = 39,            /* a noise, a limit or a spin inertia is out of range */
-    POINSOT_ONBOARD_AXIS = 40,             /* the axis of a wheel has not length one */
+    POINSOT_ONBOARD_AXIS = 40,             /* an axis or a quaternion has not length one */
     POINSOT_ONBOARD_PRIOR = 41,            /* the prior of an unknown number is not positive */
     POINSOT_ONBOARD_UNPHYSICAL = 42,       /* the nominal vehicle has no positive mass or inertia */
-    POINSOT_ONBOARD_NEEDS_POSITION = 43    /* mass or first moment unknown, but no position is measured */
+    POINSOT_ONBOARD_NEEDS_POSITION = 43    /* mass or first moment unknown, no position measured, no joint */
 };
 
 /* What the numbers are worth: poinsot_onboard_answer.health. */
@@ -81,13 +83,15 @@ typedef struct {
     double attitude[4];                         /* R_NB, x, y, z, w */
     double position[3];                         /* of Bo in N, m */
     double wheel_speed[POINSOT_ONBOARD_WHEELS]; /* relative to the base, rad/s; those beyond the number of wheels are not read */
+    double joint_position[POINSOT_ONBOARD_JOINTS]; /* rad or m; those beyond the number of joints are not read */
+    double joint_rate[POINSOT_ONBOARD_JOINTS];     /* rad/s or m/s */
     double force_B[3];                          /* of the thrusters until the next sample, in B, N */
     double torque_B[3];                         /* their torque about Bo, in B, N m */
     uint32_t measured;                          /* which of gyro, attitude and position this sample has */
     uint32_t reserved;                          /* not read */
 } poinsot_onboard_sample;
 
-/* What the filter knows. The parameters are, about Bo in the axes of B: m; mc x, y, z; I xx, xy, yy, xz, yz, zz (kg, kg m, kg m2;
+/* What the filter knows. The parameters are, about the origin of the unknown body in its axes (the base: Bo and B): m; mc x, y, z; I xx, xy, yy, xz, yz, zz (kg, kg m, kg m2;
  * xy, xz, yz are elements of the tensor). */
 typedef struct {
     double value[10];          /* those of a physical body */

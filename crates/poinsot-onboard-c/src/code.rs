@@ -36,17 +36,17 @@ pub enum Code {
     Capacity = 36,
     /// Table: a number is NaN or infinite.
     TableNotFinite = 37,
-    /// Table: too many wheels or samples held back.
+    /// Table: too many wheels, joints or samples held back, or a link that no joint before it moves.
     Count = 38,
     /// Table: a noise, a limit or a spin inertia is out of range.
     Noise = 39,
-    /// Table: the axis of a wheel has not length one.
+    /// Table: the axis of a wheel or joint, or a quaternion, has not length one.
     Axis = 40,
     /// Table: the prior of an unknown number is not positive.
     Prior = 41,
     /// Table: the nominal vehicle has no positive mass or inertia.
     Unphysical = 42,
-    /// Table: mass or first moment is unknown, but no position is measured.
+    /// Table: mass or first moment is unknown, but no position is measured and no joint moves.
     NeedsPosition = 43,
 }
 

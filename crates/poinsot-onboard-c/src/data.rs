@@ -1,6 +1,6 @@
 //! Structs of the header.
 
-use poinsot_onboard::{SensorCounts, WHEELS};
+use poinsot_onboard::{JOINTS, SensorCounts, WHEELS};
 
 /// Bits of [`Sample::measured`].
 pub const MEASURED_GYRO: u32 = 1;
@@ -23,6 +23,10 @@ pub struct Sample {
     pub position: [f64; 3],
     /// Wheel speeds relative to the base, rad/s.
     pub wheel_speed: [f64; WHEELS],
+    /// Positions of the joints, rad or m.
+    pub joint_position: [f64; JOINTS],
+    /// Their rates, rad/s or m/s.
+    pub joint_rate: [f64; JOINTS],
     /// Force of the thrusters until the next sample, in B, N.
     pub force_B: [f64; 3],
     /// Their torque about `Bo`, in B, N m.
@@ -42,6 +46,8 @@ impl From<Sample> for poinsot_onboard::Sample {
             attitude: has(MEASURED_ATTITUDE).then_some(sample.attitude),
             position: has(MEASURED_POSITION).then_some(sample.position),
             wheel_speed: sample.wheel_speed,
+            joint_position: sample.joint_position,
+            joint_rate: sample.joint_rate,
             force_B: sample.force_B,
             torque_B: sample.torque_B,
         }

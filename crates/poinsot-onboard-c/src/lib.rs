@@ -24,13 +24,13 @@ use core::ptr::addr_of_mut;
 use poinsot_onboard::{Configuration, Filter, TABLE};
 
 /// Version of this interface: the header has the same.
-pub const VERSION: u32 = 1;
-/// Room for eight wheels, a position, a walking gyro bias and ten unknown parameters: what any table may ask for.
-const COLUMNS: usize = 59;
+pub const VERSION: u32 = 2;
+/// Room for eight wheels, seven joints, a position, a walking gyro bias and ten unknown parameters: what any table may ask for.
+const COLUMNS: usize = 87;
 /// Samples of the first window.
 pub const WINDOW: usize = 150;
 /// Bytes of the header's `poinsot_onboard`, enough on every target.
-pub const SIZE: usize = 108_000;
+pub const SIZE: usize = 208_000;
 /// What a filter's memory begins with.
 const MARK: u64 = u64::from_le_bytes(*b"PNFILTER");
 

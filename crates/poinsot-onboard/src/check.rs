@@ -1,8 +1,7 @@
 //! Checks of a configuration.
 
-use crate::configuration::{AXES, Configuration, HELD_BACK, WHEELS, Wheel};
+use crate::configuration::{AXES, Configuration, HELD_BACK, JOINTS, Joint, WHEELS, Wheel};
 use crate::layout::required_capacity;
-use poinsot_spatial::Vector3;
 
 /// Why a configuration is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -11,17 +10,17 @@ pub enum Invalid {
     Capacity(usize),
     /// A number is NaN or infinite.
     NotFinite,
-    /// More wheels than [`WHEELS`], or more samples held back than 4.
+    /// More wheels than [`WHEELS`], more joints than [`JOINTS`], more samples held back than 4, or a link that no joint before it moves.
     Count,
     /// A noise, a limit or a spin inertia is negative, or the noise of gyro or attitude is zero.
     Noise,
-    /// The axis of a wheel has not length one.
+    /// The axis of a wheel or joint, or a quaternion, has not length one.
     Axis,
     /// A diagonal number of the prior is not positive.
     Prior,
     /// The nominal vehicle has no positive mass or inertia.
     Unphysical,
-    /// Mass or first moment is unknown, but no position is measured.
+    /// Mass or first moment is unknown, but no position is measured and no joint moves.
     NeedsPosition,
 }
 
@@ -44,15 +43,26 @@ impl Configuration {
         ];
         let wheels = self.wheels.iter();
         let of_wheels = wheels.flat_map(|w| w.axis_B.into_iter().chain([w.spin_inertia, w.noise]));
+        let of_joints = self.joints.iter().flat_map(Joint::numbers);
+        let unknown = self.unknown_rotation.iter().chain(&self.unknown_position);
         let all = self.known.iter().chain(&self.nominal).chain(&levels);
+        let all = all.chain(unknown);
         let mut all = all
             .chain(self.prior.as_flattened())
             .copied()
-            .chain(of_wheels);
+            .chain(of_wheels)
+            .chain(of_joints);
         if !all.all(f64::is_finite) {
             return Err(Invalid::NotFinite);
         }
-        if self.wheel_count > WHEELS || self.reorder > HELD_BACK {
+        let counts = [
+            (self.wheel_count, WHEELS),
+            (self.joint_count, JOINTS),
+            (self.reorder, HELD_BACK),
+            (self.unknown_link, self.joint_count),
+        ];
+        let mut joints = self.joints().iter().enumerate();
+        if counts.iter().any(|(n, most)| n > most) || joints.any(|(k, j)| j.parent > k) {
             return Err(Invalid::Count);
         }
         let wheels_valid = self.wheels().iter();
@@ -61,11 +71,18 @@ impl Configuration {
             .all(|w| w.spin_inertia >= 0.0 && w.noise >= 0.0);
         let positive = [noise.gyro, noise.attitude, self.longest_gap_s, self.stale_s];
         let valid = levels.iter().all(|x| *x >= 0.0) && positive.iter().all(|x| *x > 0.0);
-        if !valid || !wheels_valid {
+        let joints_valid = self.joints().iter();
+        let joints_valid = joints_valid
+            .clone()
+            .all(|j| j.position_noise >= 0.0 && j.rate_noise >= 0.0);
+        if !valid || !wheels_valid || !joints_valid {
             return Err(Invalid::Noise);
         }
-        let long = |w: &Wheel| (Vector3::from(w.axis_B).norm_squared() - 1.0).abs() < 1.0e-6;
-        if !self.wheels().iter().all(long) {
+        let long = |x: &[f64]| (x.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1.0e-6;
+        let wheels = self.wheels().iter().all(|w: &Wheel| long(&w.axis_B));
+        let mut joints = self.joints().iter();
+        let joints = joints.all(|j| long(&j.axis) && long(&j.rotation));
+        if !wheels || !joints || !long(&self.unknown_rotation) {
             return Err(Invalid::Axis);
         }
         let unknowns = self.unknown.iter().filter(|u| **u).count();
@@ -76,7 +93,8 @@ impl Configuration {
         if !self.is_possible(&self.nominal) {
             return Err(Invalid::Unphysical);
         }
-        if !self.translates() && self.unknown[..=AXES].contains(&true) {
+        let tells = self.translates() || self.joint_count > 0;
+        if !tells && self.unknown[..=AXES].contains(&true) {
             return Err(Invalid::NeedsPosition);
         }
         match required_capacity(self) {

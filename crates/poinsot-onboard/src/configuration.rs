@@ -1,10 +1,15 @@
 //! What a filter is told before it starts.
 
+use crate::posture::Posture;
 use nalgebra::SymmetricEigen;
 use poinsot_spatial::{InertialParameters, Matrix3, Vector3};
 
 /// Most wheels.
 pub const WHEELS: usize = 8;
+/// Most joints.
+pub const JOINTS: usize = 7;
+/// Inputs that are measured: speeds of the wheels, positions of the joints, their rates.
+pub(crate) const INPUTS: usize = WHEELS + 2 * JOINTS;
 /// Inertial parameters of a body.
 pub(crate) const PARAMETERS: usize = 10;
 /// Numbers of an attitude, a bias or another vector.
@@ -16,6 +21,16 @@ pub(crate) const ITERATIONS: usize = 100;
 /// Most passes over the first window.
 pub(crate) const PASSES: usize = 24;
 
+/// Place of the position of a joint among the inputs.
+pub(crate) const fn of_joint(j: usize) -> usize {
+    WHEELS + j
+}
+
+/// Place of the rate of a joint among the inputs.
+pub(crate) const fn of_rate(j: usize) -> usize {
+    WHEELS + JOINTS + j
+}
+
 /// A reaction wheel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wheel {
@@ -25,6 +40,36 @@ pub struct Wheel {
     pub spin_inertia: f64,
     /// Noise of its measured speed, rad/s, one sigma; zero: exact.
     pub noise: f64,
+}
+
+/// A joint, and what is known of the link that it moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Joint {
+    /// The link that carries it: 0 is the base, k that of the k-th joint, which stands before it.
+    pub parent: usize,
+    /// Whether it slides along its axis; otherwise it turns about it.
+    pub slides: bool,
+    /// Rotation from the link to its parent at position zero, as a quaternion x, y, z, w.
+    pub rotation: [f64; 4],
+    /// Origin of the link at position zero, in the parent, m. A joint that turns leaves it where it is.
+    pub position: [f64; AXES],
+    /// Unit axis in the link.
+    pub axis: [f64; AXES],
+    /// The ten parameters of all known bodies that the link consists of, about its origin, in its axes.
+    pub known: [f64; PARAMETERS],
+    /// Noise of its measured position, rad or m, one sigma; zero: exact.
+    pub position_noise: f64,
+    /// Noise of its measured rate, rad/s or m/s, one sigma; zero: exact.
+    pub rate_noise: f64,
+}
+
+impl Joint {
+    /// All numbers of it, in the order of the table.
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> {
+        let place = self.rotation.into_iter().chain(self.position);
+        let place = place.chain(self.axis).chain(self.known);
+        place.chain([self.position_noise, self.rate_noise])
+    }
 }
 
 /// Noise of sensors and motion, one sigma.
@@ -46,10 +91,11 @@ pub struct Noise {
 
 /// Vehicle, priors, noise and limits.
 ///
-/// All bodies are fixed to B. The unknown body has its frame at `Bo`, in the axes of B.
+/// Bodies are fixed to B or to a link of a joint. The unknown body has its frame at the origin and in the axes of B, unless
+/// `unknown_link` and the two numbers after it say otherwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Configuration {
-    /// The ten parameters of all known bodies together, about `Bo`, in the order of `poinsot_spatial::PARAMETER_NAMES`.
+    /// The ten parameters of all known bodies that are fixed to B, about `Bo`, in the order of `poinsot_spatial::PARAMETER_NAMES`.
     pub known: [f64; PARAMETERS],
     /// Nominal parameters of the unknown body.
     pub nominal: [f64; PARAMETERS],
@@ -62,6 +108,16 @@ pub struct Configuration {
     pub wheels: [Wheel; WHEELS],
     /// Number of wheels.
     pub wheel_count: usize,
+    /// Joints, each after the one that carries it; the first `joint_count` count.
+    pub joints: [Joint; JOINTS],
+    /// Number of joints.
+    pub joint_count: usize,
+    /// The link that the unknown body is fixed to: 0 is the base, k that of the k-th joint.
+    pub unknown_link: usize,
+    /// Rotation from its frame to the link, as a quaternion x, y, z, w.
+    pub unknown_rotation: [f64; 4],
+    /// Its origin in the link, m.
+    pub unknown_position: [f64; AXES],
     /// Noise.
     pub noise: Noise,
     /// Longest time between two samples that the motion is followed over, s. After a longer one the motion starts anew.
@@ -85,6 +141,20 @@ impl Configuration {
             noise: 0.0,
         }; WHEELS],
         wheel_count: 0,
+        joints: [Joint {
+            parent: 0,
+            slides: false,
+            rotation: [0.0; 4],
+            position: [0.0; AXES],
+            axis: [0.0; AXES],
+            known: [0.0; PARAMETERS],
+            position_noise: 0.0,
+            rate_noise: 0.0,
+        }; JOINTS],
+        joint_count: 0,
+        unknown_link: 0,
+        unknown_rotation: [0.0; 4],
+        unknown_position: [0.0; AXES],
         noise: Noise {
             gyro: 0.0,
             attitude: 0.0,
@@ -103,6 +173,7 @@ impl Configuration {
         Self {
             nominal,
             noise,
+            unknown_rotation: [0.0, 0.0, 0.0, 1.0],
             longest_gap_s: 10.0,
             stale_s: 10.0,
             ..Self::NONE
@@ -119,6 +190,16 @@ impl Configuration {
         self
     }
 
+    /// Adds a joint with its link; beyond [`JOINTS`] it is counted, and the configuration is refused.
+    #[must_use]
+    pub fn with_joint(mut self, joint: Joint) -> Self {
+        if let Some(place) = self.joints.get_mut(self.joint_count) {
+            *place = joint;
+        }
+        self.joint_count += 1;
+        self
+    }
+
     /// Whether the position is measured.
     pub(crate) fn translates(&self) -> bool {
         self.noise.position > 0.0
@@ -129,22 +210,31 @@ impl Configuration {
     }
 
     /// Angular momentum of the wheels relative to the base at these speeds, in B, N m s.
-    pub(crate) fn wheel_momentum(&self, speeds: &[f64; WHEELS]) -> Vector3 {
+    pub(crate) fn wheel_momentum(&self, speeds: &[f64]) -> Vector3 {
         let wheels = self.wheels().iter().zip(speeds);
         wheels.fold(Vector3::zeros(), |h, (wheel, speed)| {
             h + Vector3::from(wheel.axis_B) * (wheel.spin_inertia * speed)
         })
     }
 
-    /// All bodies with these parameters of the unknown one.
-    pub(crate) fn whole(&self, body: &[f64; PARAMETERS]) -> InertialParameters {
-        InertialParameters::from_array(&self.known)
-            .with_added(1.0, &InertialParameters::from_array(body))
+    pub(crate) fn joints(&self) -> &[Joint] {
+        self.joints.get(..self.joint_count).unwrap_or_default()
     }
 
-    /// Whether the vehicle has a positive mass and central inertia with these parameters.
+    /// Noise of an input, one sigma; zero where the vehicle does not have it.
+    pub(crate) fn input_noise(&self, k: usize) -> f64 {
+        let joint = |j: usize| self.joints().get(j);
+        match k.checked_sub(WHEELS) {
+            None => self.wheels().get(k).map_or(0.0, |w| w.noise),
+            Some(j) if j < JOINTS => joint(j).map_or(0.0, |j| j.position_noise),
+            Some(j) => joint(j - JOINTS).map_or(0.0, |j| j.rate_noise),
+        }
+    }
+
+    /// Whether the vehicle has a positive mass and central inertia with these parameters, its joints at zero.
     pub(crate) fn is_possible(&self, body: &[f64; PARAMETERS]) -> bool {
-        central_moments(&self.whole(body)).is_some_and(|smallest| smallest > 0.0)
+        let whole = Posture::new(self, body, &[0.0; INPUTS]).whole;
+        central_moments(&whole).is_some_and(|smallest| smallest > 0.0)
     }
 }
 

@@ -1,14 +1,15 @@
 //! Time and measurement updates.
 
 use crate::check::Invalid;
-use crate::configuration::{AXES, Configuration, PARAMETERS, WHEELS};
+use crate::configuration::{AXES, Configuration, INPUTS, PARAMETERS, of_rate};
 use crate::health::{Checkpoints, SENSORS, SensorCounts, Tests};
-use crate::information::{OfParameters, Rows, back_substitute, eliminate};
+use crate::information::{OfParameters, Rows, back_substitute, copy_triangle, eliminate};
 use crate::layout::{Layout, noises};
 use crate::motion::{
-    Bend, Columns, Excitation, Interval, Moving, ParameterSlope, StateVector, angular,
-    parameter_slopes, wheel_twists,
+    Acting, Bend, Columns, Excitation, Interval, Moving, ParameterSlope, StateVector, angular,
+    input_twists, parameter_slopes,
 };
+use crate::posture::{Posture, halves, stacked};
 use crate::sample::Sample;
 use crate::stream::{Stream, Window};
 #[cfg(not(feature = "std"))]
@@ -37,9 +38,9 @@ pub(crate) struct Running {
     bias: Vector3,
     /// Angular velocity, in B.
     rate: Vector3,
-    /// Wheel speeds as they were read, and the most likely ones.
-    read: [f64; WHEELS],
-    speeds: [f64; WHEELS],
+    /// Inputs as they were read, and the most likely ones.
+    read: [f64; INPUTS],
+    inputs: [f64; INPUTS],
     force_B: Vector3,
     torque_B: Vector3,
     /// Samples since the start.
@@ -47,9 +48,9 @@ pub(crate) struct Running {
 }
 
 impl Running {
-    /// What the most likely wheel speeds are above those read.
-    fn found(&self) -> [f64; WHEELS] {
-        core::array::from_fn(|k| self.speeds[k] - self.read[k])
+    /// What the most likely inputs are above those read.
+    fn found(&self) -> [f64; INPUTS] {
+        core::array::from_fn(|k| self.inputs[k] - self.read[k])
     }
 }
 
@@ -101,6 +102,7 @@ struct Measurement<const N: usize> {
 /// The motion in hand with what its measurements depend on.
 pub(crate) struct Here {
     pub motion: BaseMotion,
+    pub posture: Posture,
     R: Matrix3,
     slopes: [ParameterSlope; PARAMETERS],
 }
@@ -241,8 +243,12 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             true => Vector3::from(sample.position?),
             false => Vector3::zeros(),
         };
-        let whole = self.configuration.whole(&self.body).mass_properties()?;
-        let h_B = whole.I_BBcm_B * w + self.configuration.wheel_momentum(&sample.wheel_speed);
+        let inputs = sample.inputs();
+        let posture = Posture::new(&self.configuration, &self.body, &inputs);
+        let whole = posture.whole.mass_properties()?;
+        let (l, h) = halves(&posture.momentum);
+        let h = h + self.configuration.wheel_momentum(&inputs);
+        let h_B = whole.I_BBcm_B * w + h - whole.p_BoBcm_B.cross(&l);
         let state = PoseMomentum {
             R_NB,
             p_NoBo_N,
@@ -254,8 +260,8 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             state,
             bias: Vector3::zeros(),
             rate: w,
-            read: sample.wheel_speed,
-            speeds: sample.wheel_speed,
+            read: inputs,
+            inputs,
             force_B: sample.force_B.into(),
             torque_B: sample.torque_B.into(),
             age: 0,
@@ -263,7 +269,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         self.before_start = self.of_parameters();
         let layout = self.layout;
         self.rows[..layout.theta()].fill([0.0; N]);
-        for k in 0..layout.wheels {
+        for k in 0..layout.inputs().len() {
             self.rows[k][k] = 1.0;
         }
         // An exact gyro has a bias of nothing.
@@ -300,9 +306,10 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     fn advance(&mut self, sample: &Sample, bend: Bend) -> Option<Step> {
         let mut running = self.running?;
         let from = running.state;
+        let inputs = sample.inputs();
         let interval = Interval {
-            speeds: [running.read, sample.wheel_speed],
-            found: [running.found(), [0.0; WHEELS]],
+            read: [running.read, inputs],
+            found: [running.found(), [0.0; INPUTS]],
             bend,
             force_B: running.force_B,
             torque_B: running.torque_B,
@@ -312,7 +319,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let linear = Some((&mut columns, &self.shown));
         running.state = self.moving().follow(&running.state, &interval, linear)?;
         running.time_s = sample.time_s;
-        (running.read, running.speeds) = (sample.wheel_speed, sample.wheel_speed);
+        (running.read, running.inputs) = (inputs, inputs);
         running.force_B = sample.force_B.into();
         running.torque_B = sample.torque_B.into();
         running.age = running.age.saturating_add(1);
@@ -329,17 +336,18 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     fn update_time(&mut self, columns: &Columns, interval: &Interval) -> Option<()> {
         let layout = self.layout;
         let (noise, dt) = (self.configuration.noise, interval.dt);
-        let wheels = layout.wheels;
+        let inputs = layout.inputs().len();
         let of_mean = interval.bend.of_mean() * dt;
-        let means = if of_mean > 0.0 { wheels } else { 0 };
-        let entered = wheels + noises(&self.configuration);
+        let means = if of_mean > 0.0 { layout.wheels() } else { 0 };
+        let entered = inputs + noises(&self.configuration);
         let gone = entered + means;
-        let motion = self.here()?.motion;
-        let twists = wheel_twists(&self.configuration, &motion).map(|t| angular(&t));
+        let here = self.here()?;
+        let twists = input_twists(&self.configuration, (&here.posture, &here.motion));
+        let twists = twists.map(|t| angular(&t));
         let (theta, width) = (layout.theta(), gone + layout.columns());
         let back = SMatrix::<f64, STATE, STATE>::from_columns(&columns.state).try_inverse()?;
         let walk = dt.abs().sqrt();
-        let [angular, linear] = self.momentum_noise(dt);
+        let [angular, linear] = self.momentum_noise(interval);
         for i in 0..theta {
             let (row, out) = (&self.rows[i], &mut self.work[i]);
             let mut over = StateVector::zeros();
@@ -348,9 +356,9 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             }
             let over = back.tr_mul(&over);
             *out = [0.0; N];
-            for k in 0..wheels {
-                out[k] = row[k] - over.dot(&columns.wheels[0][k]);
-                out[gone + k] = -over.dot(&columns.wheels[1][k]);
+            for (k, &input) in layout.inputs().iter().enumerate() {
+                out[k] = row[k] - over.dot(&columns.inputs[0][input]);
+                out[gone + k] = -over.dot(&columns.inputs[1][input]);
             }
             let of_bias: [f64; AXES] = core::array::from_fn(|axis| row[layout.bias() + axis]);
             let entering = [
@@ -360,10 +368,10 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             ];
             let counted = [true, self.configuration.translates(), noise.bias_walk > 0.0];
             let entering = entering.iter().zip(counted).filter(|(_, counts)| *counts);
-            for k in 0..means {
-                out[entered + k] = -over.fixed_rows::<AXES>(0).dot(&twists[k]) * of_mean;
+            for (k, &input) in layout.inputs().iter().enumerate().take(means) {
+                out[entered + k] = -over.fixed_rows::<AXES>(0).dot(&twists[input]) * of_mean;
             }
-            let places = out[wheels..entered].chunks_exact_mut(AXES);
+            let places = out[inputs..entered].chunks_exact_mut(AXES);
             for (places, ((slopes, sigma), _)) in places.zip(entering) {
                 for (place, slope) in places.iter_mut().zip(slopes) {
                     *place = -slope * sigma;
@@ -379,12 +387,12 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             }
             out[N - 1] = row[N - 1];
         }
-        // The noises of unit size: those of the wheels at the end, which stay, and those that go.
+        // The noises of unit size: those of the inputs at the end, which stay, and those that go.
         let end = theta + gone;
         for k in 0..gone {
             let out = &mut self.work[theta + k];
             *out = [0.0; N];
-            out[if k < wheels { gone + k } else { k }] = 1.0;
+            out[if k < inputs { gone + k } else { k }] = 1.0;
         }
         for pivot in 0..end {
             eliminate(&mut self.work, (pivot, pivot), pivot + 1..end, width);
@@ -398,19 +406,33 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         Some(())
     }
 
-    /// Noise of angular and linear momentum that enters over `dt`: the declared one, and in the first passes of a replay what the
-    /// errors of the parameters do, so that the motion follows the data.
-    fn momentum_noise(&self, dt: f64) -> [f64; 2] {
-        let declared = self.configuration.noise.torque_walk * dt.abs().sqrt();
+    /// Noise of angular and linear momentum that enters over an interval: the declared one, and in the first passes of a replay what
+    /// the errors of the parameters do, so that the motion follows the data.
+    fn momentum_noise(&self, interval: &Interval) -> [f64; 2] {
+        let dt = interval.dt.abs();
+        let declared = self.configuration.noise.torque_walk * dt.sqrt();
         let Some(running) = self.running.filter(|_| self.looseness > 0.0) else {
             return [declared, 0.0];
         };
+        let posture = Posture::new(&self.configuration, &self.body, &running.inputs);
         let force = running.force_B.norm();
         let [mass, moment, inertia] = self.prior_spread;
-        let per_mass = force / self.configuration.whole(&self.body).mass;
-        let torque = inertia * running.rate.norm_squared() + moment * per_mass;
-        let loose = self.looseness * dt.abs();
-        [declared.hypot(loose * torque), loose * mass * per_mass]
+        let per_mass = force / posture.whole.mass;
+        // Rates of joints turn what they carry, and their changes do at once.
+        let joints = of_rate(0)..INPUTS;
+        let size = |rates: &[f64]| rates.iter().map(|rate| rate * rate).sum::<f64>();
+        let [from, to] = interval.read;
+        let changes: [f64; INPUTS] = core::array::from_fn(|k| to[k] - from[k]);
+        let (turn, jump) = (size(&to[joints.clone()]), size(&changes[joints]));
+        let reach = posture.unknown.p.norm();
+        let inertia = inertia + reach * (2.0 * moment + reach * mass);
+        let torque = inertia * (running.rate.norm_squared() + turn) + moment * per_mass;
+        let loose = self.looseness * dt;
+        let jump = self.looseness * inertia * jump.sqrt();
+        [
+            declared.hypot(loose * torque).hypot(jump),
+            loose * mass * per_mass,
+        ]
     }
 
     /// The motion in hand.
@@ -420,14 +442,14 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             configuration: &self.configuration,
             body: &self.body,
         };
-        let motion = moving
-            .locked(&running.speeds, &Vector6::zeros())?
-            .base_motion(&running.state);
+        let (posture, locked) = moving.locked(&running.inputs, &Acting::zeros())?;
+        let motion = locked.base_motion(&running.state);
         running.rate = motion.twist.w;
         Some(Here {
             R: running.state.R_NB.to_rotation_matrix().into_inner(),
-            slopes: parameter_slopes(&motion, &self.shown),
+            slopes: parameter_slopes((&posture, &motion), &self.shown),
             motion,
+            posture,
         })
     }
 
@@ -438,7 +460,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         if let Some(gyro) = sample.gyro {
             // Before, not all of the state is known.
             if age >= SETTLING {
-                self.smooth_speeds(gyro.into(), step)?;
+                self.smooth_inputs(gyro.into(), step)?;
             }
             let measurement = self.gyro(gyro.into())?;
             consistent &= self.update(&measurement, age);
@@ -486,13 +508,14 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         Measurement { sensor, rows }
     }
 
-    /// Moves the wheel speeds to the most likely ones that tachometers and gyro give together.
+    /// Moves the inputs to the most likely ones that their sensors and the gyro give together.
     ///
-    /// The angular velocity at the tachometers' speeds has their noise, and so has the gyro's innovation about it. Slopes over the
-    /// inertia at that velocity are correlated with the innovation, which biases the estimate by a share of its sigma that
-    /// grows with the root of the number of samples. At the most likely speeds they are not correlated.
-    fn smooth_speeds(&mut self, measured: Vector3, step: Option<Step>) -> Option<()> {
-        if self.layout.wheels == 0 {
+    /// The angular velocity at the speeds of tachometers and encoders has their noise, and so has the gyro's innovation about it. Slopes
+    /// over the inertia at that velocity are correlated with the innovation, which biases the estimate by a share of its sigma that
+    /// grows with the root of the number of samples. At the most likely inputs they are not correlated.
+    fn smooth_inputs(&mut self, measured: Vector3, step: Option<Step>) -> Option<()> {
+        let inputs = self.layout.inputs().len();
+        if inputs == 0 {
             return Some(());
         }
         let measurement = self.gyro(measured)?;
@@ -500,15 +523,12 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let size = self.weigh(&measurement).norm_squared();
         let (none, state) = ([0.0; PARAMETERS], 0..self.layout.theta());
         if size <= self.gate && back_substitute(&self.work, state, &none, &mut change).is_some() {
-            self.move_speeds(&change)?;
+            self.move_inputs(&change)?;
             for row in &mut self.rows[..self.layout.columns()] {
-                let moved = row.iter().zip(&change).take(self.layout.wheels);
+                let moved = row.iter().zip(&change).take(inputs);
                 row[N - 1] -= moved.map(|(slope, x)| slope * x).sum::<f64>();
             }
-            let far = change
-                .iter()
-                .take(self.layout.wheels)
-                .any(|x| x.abs() > MOVED);
+            let far = change.iter().take(inputs).any(|x| x.abs() > MOVED);
             if let (Some(step), true) = (step, far) {
                 self.straighten(step)?;
             }
@@ -516,7 +536,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         Some(())
     }
 
-    /// Linearises the last interval about the wheel speeds found at its end.
+    /// Linearises the last interval about the inputs found at its end.
     fn straighten(&mut self, mut step: Step) -> Option<()> {
         step.interval.found[1] = self.running?.found();
         let mut columns = Columns::new();
@@ -535,11 +555,11 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         Some(())
     }
 
-    /// Moves the wheel speeds by so many sigma.
-    fn move_speeds(&mut self, change: &[f64; N]) -> Option<()> {
-        let speeds = self.running.as_mut()?.speeds.iter_mut();
-        for ((speed, wheel), x) in speeds.zip(self.configuration.wheels()).zip(change) {
-            *speed += wheel.noise * x;
+    /// Moves the inputs by so many sigma.
+    fn move_inputs(&mut self, change: &[f64; N]) -> Option<()> {
+        let inputs = &mut self.running.as_mut()?.inputs;
+        for (&k, x) in self.layout.inputs().iter().zip(change) {
+            inputs[k] += self.configuration.input_noise(k) * x;
         }
         Some(())
     }
@@ -552,10 +572,11 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let residual = measured - motion.twist.w - running.bias;
         let mut out = self.rows_of(0, &residual, noise);
         let over_state = motion.twist_rows(&running.state).matrix();
-        let wheels = wheel_twists(&self.configuration, motion).map(|t| angular(&t));
+        let inputs = input_twists(&self.configuration, (&here.posture, motion));
+        let inputs = inputs.map(|t| angular(&t));
         for (axis, row) in out.rows.iter_mut().enumerate() {
-            for (k, w) in wheels.iter().take(layout.wheels).enumerate() {
-                row[k] = w[axis] / noise;
+            for (k, &input) in layout.inputs().iter().enumerate() {
+                row[k] = inputs[input][axis] / noise;
             }
             for (k, component) in layout.state().iter().enumerate() {
                 row[layout.pose() + k] = over_state[(AXES + axis, *component)] / noise;
@@ -571,7 +592,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     /// The triangle with the rows of a measurement, in `work`; what no change of the state explains: the whitened innovation.
     fn weigh(&mut self, measurement: &Measurement<N>) -> Vector3 {
         let columns = self.layout.columns();
-        self.work[..columns].copy_from_slice(&self.rows[..columns]);
+        copy_triangle(&self.rows, &mut self.work, columns);
         self.work[columns..columns + AXES].copy_from_slice(&measurement.rows);
         for pivot in 0..columns {
             let below = columns..columns + AXES;
@@ -586,7 +607,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let innovation = self.weigh(measurement);
         let accepted = innovation.norm_squared() <= self.gate;
         if accepted {
-            self.rows[..columns].copy_from_slice(&self.work[..columns]);
+            copy_triangle(&self.work, &mut self.rows, columns);
         }
         if age >= SETTLING {
             self.tests
@@ -649,8 +670,8 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     /// of which the data know nothing keep their prior, however often the point moves: a common factor of inertia and momentum in
     /// free rotation, of mass and momentum without a force.
     fn shift(&mut self, change: &[f64; N], body: [f64; PARAMETERS]) -> Option<()> {
-        // An error of a wheel speed is white: what is known of the momentum does not follow it.
-        self.move_speeds(change)?;
+        // An error of an input is white: what is known of the momentum does not follow it.
+        self.move_inputs(change)?;
         let before = self.momentum_slopes()?;
         let layout = self.layout;
         let running = self.running.as_mut()?;
@@ -672,7 +693,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         self.body = body;
         self.look()?;
         let after = self.momentum_slopes()?;
-        let scales = self.scales();
+        let scales = self.scales()?;
         let theta = layout.theta();
         for row in &mut self.rows[..layout.columns()] {
             let mut over = StateVector::zeros();
@@ -703,8 +724,9 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
 
     /// Takes the velocity in hand as shown.
     fn look(&mut self) -> Option<()> {
-        let motion = self.here()?.motion;
-        self.shown.add(&self.configuration, &motion);
+        let here = self.here()?;
+        self.shown
+            .add(&self.configuration, (&here.posture, &here.motion));
         Some(())
     }
 
@@ -712,26 +734,21 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     fn momentum_slopes(&mut self) -> Option<[Vector6; PARAMETERS]> {
         let here = self.here()?;
         Some(here.slopes.map(|slope| {
-            let [a, b, c, d, e, f] = slope.momentum.into();
-            let (l, h) = (
-                here.R * Vector3::new(a, b, c),
-                here.R * Vector3::new(d, e, f),
-            );
-            Vector6::new(l.x, l.y, l.z, h.x, h.y, h.z)
+            let (l, h) = halves(&slope.momentum);
+            stacked(&(here.R * l), &(here.R * h))
         }))
     }
 
-    /// What a common factor of the inertia changes by per unit of each element, and one of mass and first moments by per kilogram.
-    fn scales(&self) -> [f64; PARAMETERS] {
-        let (unknown, mut out) = (&self.configuration.unknown, [0.0; PARAMETERS]);
-        if unknown[0] {
+    /// What a common factor of the inertia changes by per unit of each element, and, where the position is measured, one of mass and
+    /// first moments by per kilogram.
+    fn scales(&mut self) -> Option<[f64; PARAMETERS]> {
+        let mut out = [0.0; PARAMETERS];
+        if self.configuration.unknown[0] && self.configuration.translates() {
             out[0] = 1.0 / self.body[0];
         }
-        let whole = self.configuration.whole(&self.body).mass_properties();
-        if let Some(whole) = whole {
-            let shares = self.shown.shares(&whole.I_BBcm_B);
-            out[AXES + 1..].copy_from_slice(&shares);
-        }
-        out
+        let here = self.here()?;
+        let (I, R) = (&here.motion.centre.I_SScm_B, &here.posture.unknown.R);
+        out[AXES + 1..].copy_from_slice(&self.shown.shares(I, R));
+        Some(out)
     }
 }

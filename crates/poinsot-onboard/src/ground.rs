@@ -8,8 +8,8 @@ use crate::health::{SENSORS, SensorCounts};
 use crate::sample::Sample;
 use crate::stream::Refusal;
 
-/// Columns of eight wheels, ten unknown numbers and a position.
-const COLUMNS: usize = 60;
+/// Columns of eight wheels, seven joints, ten unknown numbers and a position.
+const COLUMNS: usize = 87;
 /// Samples of the first window.
 const WINDOW: usize = 300;
 

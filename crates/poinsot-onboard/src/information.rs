@@ -22,16 +22,17 @@ pub fn eliminate<const N: usize>(
     if rest == 0.0 {
         return;
     }
-    let mut top = rows[pivot];
-    let first = top[column];
+    let places = (column + 1..width).chain([N - 1]);
+    let mut top = [0.0; N];
+    for k in places.clone() {
+        top[k] = rows[pivot][k];
+    }
+    let first = rows[pivot][column];
     let norm = (first * first + rest).sqrt();
     let signed = if first > 0.0 { -norm } else { norm };
     let lead = first - signed;
     let scale = 1.0 / (norm * (norm + first.abs()));
-    let mut sums = [0.0; N];
-    for (sum, top) in sums.iter_mut().zip(&top) {
-        *sum = lead * top;
-    }
+    let mut sums = top.map(|top| lead * top);
     for row in &rows[below.clone()] {
         let factor = row[column];
         for k in column + 1..width {
@@ -39,12 +40,11 @@ pub fn eliminate<const N: usize>(
         }
         sums[N - 1] += factor * row[N - 1];
     }
-    let places = (column + 1..width).chain([N - 1]);
     for k in places.clone() {
         sums[k] *= scale;
-        top[k] -= lead * sums[k];
+        rows[pivot][k] = top[k] - lead * sums[k];
     }
-    top[column] = signed;
+    rows[pivot][column] = signed;
     for row in &mut rows[below] {
         let factor = row[column];
         row[column] = 0.0;
@@ -52,7 +52,14 @@ pub fn eliminate<const N: usize>(
             row[k] -= factor * sums[k];
         }
     }
-    rows[pivot] = top;
+}
+
+/// Copies the triangle of so many columns, and `z`.
+pub fn copy_triangle<const N: usize>(from: &Rows<N>, to: &mut Rows<N>, columns: usize) {
+    for (i, (from, to)) in from.iter().zip(to).enumerate().take(columns) {
+        to[i..columns].copy_from_slice(&from[i..columns]);
+        to[N - 1] = from[N - 1];
+    }
 }
 
 /// Solves the triangle of columns `range` for `z` less what the columns after them take; `None` where a diagonal number is too

@@ -1,6 +1,6 @@
 //! Places of the columns.
 
-use crate::configuration::{AXES, Configuration, PARAMETERS};
+use crate::configuration::{AXES, Configuration, INPUTS, PARAMETERS, WHEELS};
 
 /// Components of the kernels' state `[dphi_B, dp_N, dP_N, dh_N]`, in the order of the filter's columns.
 const ROTATION: [usize; 6] = [0, 1, 2, 9, 10, 11];
@@ -9,8 +9,9 @@ const FREE: [usize; 12] = [0, 1, 2, 9, 10, 11, 3, 4, 5, 6, 7, 8];
 /// Places of the columns.
 #[derive(Debug, Clone, Copy)]
 pub struct Layout {
-    /// Errors of the wheel speeds, the first columns.
-    pub wheels: usize,
+    /// Errors of the inputs that have noise, the first columns.
+    inputs: [usize; INPUTS],
+    input_count: usize,
     translates: bool,
     /// Unknown parameters, the last columns.
     pub parameters: usize,
@@ -19,7 +20,8 @@ pub struct Layout {
 
 impl Layout {
     pub const NONE: Self = Self {
-        wheels: 0,
+        inputs: [0; INPUTS],
+        input_count: 0,
         translates: false,
         parameters: 0,
         unknown: [0; PARAMETERS],
@@ -27,16 +29,30 @@ impl Layout {
 
     pub fn new(configuration: &Configuration) -> Self {
         let mut layout = Self {
-            wheels: configuration.wheel_count,
             translates: configuration.translates(),
             ..Self::NONE
         };
+        let noisy = (0..INPUTS).filter(|k| configuration.input_noise(*k) > 0.0);
+        for (place, k) in layout.inputs.iter_mut().zip(noisy) {
+            *place = k;
+            layout.input_count += 1;
+        }
         let unknown = configuration.unknown.iter().enumerate().filter(|u| *u.1);
         for (place, (k, _)) in layout.unknown.iter_mut().zip(unknown) {
             *place = k;
             layout.parameters += 1;
         }
         layout
+    }
+
+    /// Indices of the inputs with noise.
+    pub fn inputs(&self) -> &[usize] {
+        &self.inputs[..self.input_count]
+    }
+
+    /// How many of them are wheels, the first ones.
+    pub fn wheels(&self) -> usize {
+        self.inputs().iter().filter(|k| **k < WHEELS).count()
     }
 
     /// Indices of the unknown parameters.
@@ -54,7 +70,7 @@ impl Layout {
 
     /// First column of the state.
     pub fn pose(&self) -> usize {
-        self.wheels
+        self.input_count
     }
 
     /// First column of the gyro bias.
@@ -76,11 +92,12 @@ impl Layout {
 /// Columns that a filter must have room for.
 pub fn required_capacity(configuration: &Configuration) -> usize {
     let layout = Layout::new(configuration);
-    let update = layout.columns() + 2 * layout.wheels + noises(configuration) + 1;
+    let entering = layout.input_count + layout.wheels() + noises(configuration);
+    let update = layout.columns() + entering + 1;
     update.max(layout.columns() + AXES)
 }
 
-/// Number of white noises that enter a step beside those of the wheels: of the momenta, and of the bias where it walks.
+/// Number of white noises that enter a step beside those of the inputs: of the momenta, and of the bias where it walks.
 pub fn noises(configuration: &Configuration) -> usize {
     let momenta = if configuration.translates() { 2 } else { 1 };
     let bias = usize::from(configuration.noise.bias_walk > 0.0);

@@ -1,7 +1,7 @@
 //! Mass properties from a stream of samples: a recursive filter for on-board software.
 //!
-//! [`Filter`] estimates some of the ten inertial parameters of one body of a vehicle with locked joints, from gyro, attitude and,
-//! where it is measured, position. Wheel speeds, thruster force and torque are inputs. It needs neither the standard library
+//! [`Filter`] estimates some of the ten inertial parameters of one body of a vehicle, from gyro, attitude and, where it is measured,
+//! position. Wheel speeds, positions and rates of joints, thruster force and torque are inputs. It needs neither the standard library
 //! nor an allocator at run time, contains no `unsafe`, and its loops have the bounds that [`Configuration`] states.
 //!
 //! State of the filter, in the order of its columns:
@@ -10,7 +10,7 @@
 //! x = [e, dphi_B, dh_N, (dp_N, dP_N), db, dtheta]
 //! ```
 //!
-//! the present errors of the wheel speeds in units of their noise, the changes of attitude, angular momentum about the mass centre,
+//! the present errors of wheel speeds and joints in units of their noise, the changes of attitude, angular momentum about the mass centre,
 //! position and linear momentum (where the position is measured), gyro bias, and unknown parameters. Its information is held as
 //! an upper triangle `R` with `R x = z + white noise` (Bierman 1977, chapter 5): `R^T R` cannot lose symmetry or sign, and what is
 //! not yet known has a row of zeros.
@@ -21,7 +21,8 @@
 //! # Files
 //! - `configuration.rs`, `check.rs`: vehicle, priors, noise, limits. `table.rs`: the same as checked bytes.
 //! - `sample.rs`: what is measured. `stream.rs`: order and clock of samples, the first window.
-//! - `layout.rs`, `information.rs`: the triangle. `motion.rs`: one interval between samples, with columns.
+//! - `layout.rs`, `information.rs`: the triangle. `posture.rs`: the vehicle at one position of its joints. `motion.rs`: one interval
+//!   between samples, with columns.
 //! - `filter.rs`: time and measurement updates. `replay.rs`: passes over the first window. `push.rs`: the way in.
 //! - `health.rs`: tests of innovations, health word. `answer.rs`: numbers that leave the filter. `ground.rs`: one size of it, compiled here.
 #![cfg_attr(not(feature = "std"), no_std)]
@@ -36,6 +37,7 @@ mod health;
 mod information;
 mod layout;
 mod motion;
+mod posture;
 mod push;
 mod replay;
 mod sample;
@@ -44,7 +46,7 @@ mod table;
 
 pub use answer::{Answer, Number};
 pub use check::Invalid;
-pub use configuration::{Configuration, Noise, WHEELS, Wheel};
+pub use configuration::{Configuration, JOINTS, Joint, Noise, WHEELS, Wheel};
 pub use filter::Filter;
 pub use ground::GroundFilter;
 pub use health::{Health, SensorCounts};

@@ -1,10 +1,13 @@
 //! The motion over one interval between samples, with the columns of the linearised equations.
 
-use crate::configuration::{AXES, Configuration, ITERATIONS, PARAMETERS, WHEELS};
+use crate::configuration::{
+    AXES, Configuration, INPUTS, ITERATIONS, PARAMETERS, WHEELS, of_joint, of_rate,
+};
+use crate::posture::{Posture, halves, momentum, stacked};
+use crate::sample::Sample;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField;
-use nalgebra::{ArrayStorage, SVector, SymmetricEigen};
-use poinsot_dynamics::Composite;
+use nalgebra::{ArrayStorage, Quaternion, SMatrix, SVector, SymmetricEigen, UnitQuaternion};
 use poinsot_dynamics::propagation::{
     BaseMotion, HALF, LockedVehicle, PoseMomentum, PoseMomentumRate, Rates, STATE, StateRows,
     StepPoint, StepRows, pose_change, runge_kutta_step, state_in_middle,
@@ -27,13 +30,25 @@ const ADDED: f64 = 25.0;
 /// Numbers of a column.
 pub type StateVector = SVector<f64, STATE>;
 
+/// Momentum of the wheels about `Bo`, and twist of the base by the joints, both in B.
+pub type Acting = SMatrix<f64, 6, 2>;
+
+/// Without momentum.
+const AT_REST: PoseMomentum = PoseMomentum {
+    R_NB: UnitQuaternion::new_unchecked(Quaternion::new(1.0, 0.0, 0.0, 0.0)),
+    p_NoBo_N: Vector3::new(0.0, 0.0, 0.0),
+    P: Vector3::new(0.0, 0.0, 0.0),
+    h_SScm_N: Vector3::new(0.0, 0.0, 0.0),
+};
+
 /// What acts between two samples.
 #[derive(Debug, Clone, Copy)]
 pub struct Interval {
-    /// Wheel speeds that were read at both ends, rad/s; straight between them but for the bend.
-    pub speeds: [[f64; WHEELS]; 2],
-    /// What the most likely speeds are above those read, so far as they are known.
-    pub found: [[f64; WHEELS]; 2],
+    /// Inputs that were read at both ends; wheel speeds are straight between them but for the bend, joints have positions and
+    /// rates of both ends (a cubic).
+    pub read: [[f64; INPUTS]; 2],
+    /// What the most likely ones are above those read, so far as they are known.
+    pub found: [[f64; INPUTS]; 2],
     pub bend: Bend,
     /// Force and torque about `Bo` in B, constant.
     pub force_B: Vector3,
@@ -45,9 +60,9 @@ pub struct Interval {
 /// What lies between two samples and is not straight: readings that were left out.
 #[derive(Debug, Clone, Copy)]
 pub struct Bend {
-    /// Momentum of the wheels less the impulse, about `Bo` in B, above the straight line between both ends; integral over the
-    /// interval, N s2 and N m s2.
-    pub offset: [f64; 2 * AXES],
+    /// Momentum of the wheels less the impulse, about `Bo` in B, and twist of the base by the joints, above those of the inputs between
+    /// both ends; integrals over the interval, N s2 and N m s2, m and rad.
+    pub offset: [[f64; 2 * AXES]; 2],
     /// Intervals between readings.
     pub readings: u32,
 }
@@ -55,7 +70,7 @@ pub struct Bend {
 impl Bend {
     /// No reading in between.
     pub const NONE: Self = Self {
-        offset: [0.0; 2 * AXES],
+        offset: [[0.0; 2 * AXES]; 2],
         readings: 1,
     };
 
@@ -71,19 +86,14 @@ impl Bend {
         let n = f64::from(self.readings.max(1));
         (n - 1.0).sqrt() / n
     }
-
-    /// What one at the end is.
-    fn of_end(&self, x: f64) -> f64 {
-        self.of_begin(1.0 - x)
-    }
 }
 
 /// The state at the end of an interval over what it depends on.
 #[derive(Debug, Clone, Copy)]
 pub struct Columns {
     pub state: [StateVector; STATE],
-    /// Over the noise of each wheel speed at both ends, one sigma.
-    pub wheels: [[StateVector; WHEELS]; 2],
+    /// Over the noise of each input at both ends, one sigma.
+    pub inputs: [[StateVector; INPUTS]; 2],
     /// Over all parameters of the unknown body.
     pub parameters: [StateVector; PARAMETERS],
 }
@@ -94,7 +104,7 @@ impl Columns {
         let unit = |k: usize| StateVector::from_fn(|i, _| if i == k { 1.0 } else { 0.0 });
         Self {
             state: core::array::from_fn(unit),
-            wheels: [[none; WHEELS]; 2],
+            inputs: [[none; INPUTS]; 2],
             parameters: [none; PARAMETERS],
         }
     }
@@ -144,8 +154,8 @@ impl Excitation {
     }
 
     /// Takes the directions from what was collected.
-    pub fn settle(&mut self, configuration: &Configuration, motion: &BaseMotion) {
-        let noise = self.noise(configuration, motion);
+    pub fn settle(&mut self, configuration: &Configuration, (posture, motion): Placed) {
+        let noise = self.noise(configuration, (posture, motion));
         let eigen = SymmetricEigen::try_new(self.scatter, f64::EPSILON, ITERATIONS);
         let Some(eigen) = eigen else {
             return;
@@ -160,7 +170,7 @@ impl Excitation {
     }
 
     /// One sample more at this motion.
-    pub fn add(&mut self, configuration: &Configuration, motion: &BaseMotion) {
+    pub fn add(&mut self, configuration: &Configuration, (posture, motion): Placed) {
         let w = &motion.twist.w;
         let kept = if self.samples < MEMORY {
             1.0
@@ -173,7 +183,7 @@ impl Excitation {
             return;
         }
         let rest = Matrix3::identity() - self.projector;
-        let noise = ADDED * self.noise(configuration, motion);
+        let noise = ADDED * self.noise(configuration, (posture, motion));
         let across = rest * self.scatter * rest;
         if across.trace() <= noise {
             return;
@@ -191,25 +201,26 @@ impl Excitation {
     }
 
     /// Sum of squares of a velocity that may be noise.
-    fn noise(&self, configuration: &Configuration, motion: &BaseMotion) -> f64 {
+    fn noise(&self, configuration: &Configuration, placed: Placed) -> f64 {
         let (of_gyro, of_bias) = (configuration.noise.gyro, configuration.noise.bias);
-        let wheels = wheel_twists(configuration, motion);
-        let of_wheels: f64 = wheels.iter().map(|t| angular(t).norm_squared()).sum();
-        // At the most likely speeds, by gyro and tachometers together.
+        let inputs = input_twists(configuration, placed);
+        let of_inputs: f64 = inputs.iter().map(|t| angular(t).norm_squared()).sum();
+        // At the most likely inputs, by gyro, tachometers and encoders together.
         let gyro = AXES as f64 * of_gyro * of_gyro;
-        let jitter = gyro * of_wheels / (gyro + of_wheels).max(f64::MIN_POSITIVE);
+        let jitter = gyro * of_inputs / (gyro + of_inputs).max(f64::MIN_POSITIVE);
         STARTING * (of_gyro * of_gyro + of_bias * of_bias) + JITTER * self.samples * jitter
     }
 
-    /// Relative change of the inertia along the shown directions, `tr(P dI) / tr(P I)`, per unit of each element; zero where nothing is
-    /// shown.
-    pub fn shares(&self, I: &Matrix3) -> [f64; 6] {
+    /// Relative change of the inertia along the shown directions, `tr(P dI) / tr(P I)`, per unit of each element of a body at `R`; zero
+    /// where nothing is shown.
+    pub fn shares(&self, I: &Matrix3, R: &Matrix3) -> [f64; 6] {
         let whole = (self.projector * I).trace();
+        let projector = R.transpose() * self.projector * R;
         core::array::from_fn(|k| {
             let (i, j) = TENSOR[k];
             let both = if i == j { 1.0 } else { 2.0 };
             match whole > 0.0 {
-                true => both * self.projector[(i, j)] / whole,
+                true => both * projector[(i, j)] / whole,
                 false => 0.0,
             }
         })
@@ -221,13 +232,25 @@ pub fn angular(twist: &Vector6) -> Vector3 {
     Vector3::new(twist.w, twist.a, twist.b)
 }
 
-/// Change of the base's twist with one sigma of each wheel speed.
-pub fn wheel_twists(configuration: &Configuration, motion: &BaseMotion) -> [Vector6; WHEELS] {
-    let mut out = [Vector6::zeros(); WHEELS];
+/// The vehicle at one position and rate of its joints, and the motion of its base.
+pub type Placed<'a> = (&'a Posture, &'a BaseMotion);
+
+/// Change of the base's twist with one sigma of each input.
+pub fn input_twists(configuration: &Configuration, placed: Placed) -> [Vector6; INPUTS] {
+    let slopes = input_slopes(configuration, placed);
+    core::array::from_fn(|k| slopes[k] * configuration.input_noise(k))
+}
+
+/// The same per unit.
+fn input_slopes(configuration: &Configuration, (posture, motion): Placed) -> [Vector6; INPUTS] {
+    let mut out = [Vector6::zeros(); INPUTS];
     for (out, wheel) in out.iter_mut().zip(configuration.wheels()) {
-        let h = Vector3::from(wheel.axis_B) * (wheel.spin_inertia * wheel.noise);
-        let momentum = Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z);
-        *out = motion.twist_slope(&momentum, &Vector3::zeros());
+        let h = Vector3::from(wheel.axis_B) * wheel.spin_inertia;
+        *out = motion.twist_slope(&stacked(&Vector3::zeros(), &h), &Vector3::zeros());
+    }
+    for j in 0..configuration.joints().len() {
+        out[of_joint(j)] = posture.of_position(j, motion);
+        out[of_rate(j)] = posture.of_rate(j, motion);
     }
     out
 }
@@ -243,19 +266,27 @@ pub struct ParameterSlope {
     pub centre: Vector3,
 }
 
-/// What each parameter does, with the rates of `held`.
-pub fn parameter_slopes(motion: &BaseMotion, shown: &Excitation) -> [ParameterSlope; PARAMETERS] {
+/// What each parameter of the unknown body does.
+pub fn parameter_slopes(
+    (posture, motion): Placed,
+    shown: &Excitation,
+) -> [ParameterSlope; PARAMETERS] {
     let (c, l_B) = (motion.centre.p_BoScm_B, motion.centre.l_B);
-    let w = shown.projector * motion.twist.w;
-    let v = motion.twist.v + (motion.twist.w - w).cross(&c);
-    let tensor = tensor_regressor(&w);
-    let rest = motion.centre.I_SScm_B * (motion.twist.w - w);
-    let shares = shown.shares(&motion.centre.I_SScm_B);
+    let (R, p) = (&posture.unknown.R, &posture.unknown.p);
+    let shown_w = shown.projector * motion.twist.w;
+    let not_shown = motion.twist.w - shown_w;
+    let (by_joints, turn) = halves(&posture.of_unknown);
+    let w = shown_w + turn;
+    // Of the unknown body's origin.
+    let v = motion.twist.v + not_shown.cross(&c) + by_joints + w.cross(p);
+    let tensor = R * tensor_regressor(&(R.transpose() * w));
+    let rest = motion.centre.I_SScm_B * not_shown;
+    let shares = shown.shares(&motion.centre.I_SScm_B, R);
     core::array::from_fn(|k| {
         let (l, h) = match k {
             0 => (v, Vector3::zeros()),
             1..=AXES => {
-                let axis = Vector3::from_fn(|i, _| if i + 1 == k { 1.0 } else { 0.0 });
+                let axis = R.column(k - 1).into_owned();
                 (w.cross(&axis), axis.cross(&v))
             }
             _ => {
@@ -264,19 +295,12 @@ pub fn parameter_slopes(motion: &BaseMotion, shown: &Excitation) -> [ParameterSl
                 (Vector3::zeros(), h)
             }
         };
-        let centre = motion.mass_centre_slope(&Matrix3::identity(), &Vector3::zeros(), k);
-        let about_Bo = Vector6::new(l.x, l.y, l.z, h.x, h.y, h.z);
+        let h = h + p.cross(&l);
+        let centre = motion.mass_centre_slope(R, p, k);
         let about_centre = h - c.cross(&l) - centre.cross(&l_B);
         ParameterSlope {
-            twist: motion.twist_slope(&about_Bo, &centre),
-            momentum: Vector6::new(
-                l.x,
-                l.y,
-                l.z,
-                about_centre.x,
-                about_centre.y,
-                about_centre.z,
-            ),
+            twist: motion.twist_slope(&stacked(&l, &h), &centre),
+            momentum: stacked(&l, &about_centre),
             centre,
         }
     })
@@ -286,7 +310,7 @@ pub fn parameter_slopes(motion: &BaseMotion, shown: &Excitation) -> [ParameterSl
 struct Point {
     pose: StateRows,
     push: StateRows,
-    wheels: [Vector6; WHEELS],
+    inputs: [Vector6; INPUTS],
     parameters: [Vector6; PARAMETERS],
     pushes: [Vector6; PARAMETERS],
 }
@@ -316,33 +340,107 @@ impl Interval {
         self.torque_B - motion.centre.p_BoScm_B.cross(&self.force_B)
     }
 
-    /// Momentum above the straight line: a parabola.
-    fn momentum_at(&self, share: f64) -> Vector6 {
-        Vector6::from(self.bend.offset) * (6.0 * share * (1.0 - share) / self.dt)
+    /// What acts above the inputs: a parabola.
+    fn beyond(&self, share: f64) -> Acting {
+        Acting::from(self.bend.offset) * (6.0 * share * (1.0 - share) / self.dt)
     }
 
-    fn speeds_at(&self, share: f64) -> [f64; WHEELS] {
-        let [from, to] = &self.speeds;
-        let (begin, end) = (self.bend.of_begin(share), self.bend.of_end(share));
-        core::array::from_fn(|k| {
-            let found = begin * self.found[0][k] + end * self.found[1][k];
-            from[k] + share * (to[k] - from[k]) + found
-        })
+    /// What the reading of an input at an end gives to inputs at a share of the interval: to itself, and for a joint to the other one of
+    /// it.
+    fn curve(&self, k: usize, end: usize, share: f64) -> [(usize, f64); 2] {
+        // From the other end time runs backwards, and so do rates.
+        let (x, dt) = match end {
+            0 => (share, self.dt),
+            _ => (1.0 - share, -self.dt),
+        };
+        let left = 1.0 - x;
+        if k < WHEELS {
+            [(k, left), (k, 0.0)]
+        } else if k < of_rate(0) {
+            let rate = k - of_joint(0) + of_rate(0);
+            let own = (1.0 + 2.0 * x) * left * left;
+            [(k, own), (rate, -6.0 * x * left / dt)]
+        } else {
+            let position = k - of_rate(0) + of_joint(0);
+            let own = left * (1.0 - 3.0 * x);
+            [(k, own), (position, dt * x * left * left)]
+        }
+    }
+
+    /// What an error of that reading gives. Of a wheel readings in between say how far it went, of a joint the positions at both ends.
+    fn error(&self, k: usize, end: usize, share: f64) -> [(usize, f64); 2] {
+        let x = if end == 0 { share } else { 1.0 - share };
+        match k < WHEELS {
+            true => [(k, self.bend.of_begin(x)), (k, 0.0)],
+            false => self.curve(k, end, share),
+        }
+    }
+
+    /// The inputs at a share of the interval.
+    pub fn inputs_at(&self, share: f64) -> [f64; INPUTS] {
+        let mut out = [0.0; INPUTS];
+        let mut add = |x: f64, weights: [(usize, f64); 2]| {
+            weights.iter().for_each(|(k, weight)| out[*k] += weight * x);
+        };
+        for (end, (read, found)) in self.read.iter().zip(&self.found).enumerate() {
+            for k in 0..INPUTS {
+                if read[k] != 0.0 {
+                    add(read[k], self.curve(k, end, share));
+                }
+                if found[k] != 0.0 {
+                    add(found[k], self.error(k, end, share));
+                }
+            }
+        }
+        out
     }
 }
 
 impl Moving<'_> {
-    /// The locked vehicle at these wheel speeds, with a momentum about `Bo` more.
-    pub fn locked(&self, speeds: &[f64; WHEELS], more: &Vector6) -> Option<LockedVehicle> {
-        let whole = self.configuration.whole(self.body);
-        let composite = Composite {
-            mass: whole.mass,
-            mc: whole.mc_B,
-            I_SBo_B: whole.I_BBo_B,
+    /// What acts with these inputs.
+    ///
+    /// Of the joints it is the twist, not the momentum: errors of positions take it along a path that they close again, and what is left of
+    /// that in the integral is small where each is divided by the inertia at its own place.
+    pub fn acting(&self, inputs: &[f64; INPUTS]) -> Option<Acting> {
+        let h = self.configuration.wheel_momentum(inputs);
+        let mut twist = Vector6::zeros();
+        if self.configuration.joint_count > 0 {
+            let posture = Posture::new(self.configuration, self.body, inputs);
+            let by_joints = posture
+                .locked(&Vector6::zeros())?
+                .base_motion(&AT_REST)
+                .twist;
+            twist = stacked(&by_joints.v, &by_joints.w);
+        }
+        let momentum = stacked(&Vector3::zeros(), &h);
+        Some(Acting::from_columns(&[momentum, twist]))
+    }
+
+    /// The same half-way between two samples.
+    pub fn between(&self, from: &Sample, to: &Sample) -> Option<Acting> {
+        let interval = Interval {
+            read: [from.inputs(), to.inputs()],
+            found: [[0.0; INPUTS]; 2],
+            bend: Bend::NONE,
+            force_B: Vector3::zeros(),
+            torque_B: Vector3::zeros(),
+            dt: to.time_s - from.time_s,
         };
-        let h = self.configuration.wheel_momentum(speeds);
-        let joints = Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z) + more;
-        LockedVehicle::new(&composite, &composite, &joints)
+        self.acting(&interval.inputs_at(0.5))
+    }
+
+    /// The vehicle with these inputs, and what acts beside them.
+    pub fn locked(
+        &self,
+        inputs: &[f64; INPUTS],
+        more: &Acting,
+    ) -> Option<(Posture, LockedVehicle)> {
+        let posture = Posture::new(self.configuration, self.body, inputs);
+        let h = self.configuration.wheel_momentum(inputs);
+        let h = stacked(&Vector3::zeros(), &h) + more.column(0);
+        let of_twist = momentum(&posture.whole, &more.column(1).into_owned());
+        let locked = posture.locked(&(h - of_twist))?;
+        Some((posture, locked))
     }
 
     /// Follows a state over an interval, and its columns where they are asked for.
@@ -352,10 +450,11 @@ impl Moving<'_> {
         interval: &Interval,
         mut linear: Option<(&mut Columns, &Excitation)>,
     ) -> Option<PoseMomentum> {
-        let start = self
-            .locked(&interval.speeds_at(0.0), &Vector6::zeros())?
-            .base_motion(state);
-        let turns = (start.twist.w.norm() * interval.dt.abs() / TURN).ceil();
+        let inputs = interval.inputs_at(0.0);
+        let start = self.locked(&inputs, &Acting::zeros())?.1;
+        let joints = inputs[of_rate(0)..].iter().map(|rate| rate.abs());
+        let fastest = start.base_motion(state).twist.w.norm() + joints.sum::<f64>();
+        let turns = (fastest * interval.dt.abs() / TURN).ceil();
         if !turns.is_finite() || turns > f64::from(STEPS) {
             return None;
         }
@@ -379,39 +478,43 @@ impl Moving<'_> {
         (shares, dt): ([f64; 3], f64),
         linear: &mut Option<(&mut Columns, &Excitation)>,
     ) -> Option<PoseMomentum> {
-        let [a, b, c] = shares
-            .map(|share| self.locked(&interval.speeds_at(share), &interval.momentum_at(share)));
-        let locked = &[a?, b?, c?];
+        let [a, b, c] =
+            shares.map(|share| self.locked(&interval.inputs_at(share), &interval.beyond(share)));
+        let (postures, locked): ([Posture; 3], _) = {
+            let ((a, of_a), (b, of_b), (c, of_c)) = (a?, b?, c?);
+            ([a, b, c], &[of_a, of_b, of_c])
+        };
         let mut over = OverStep { locked, interval };
         let rate = over.rate(StepPoint::Begin, state)?;
         let end = runge_kutta_step(state, &rate, dt, &mut over)?;
         if let Some((columns, shown)) = linear {
             let last = over.rate(StepPoint::End, &end)?;
             let middle = state_in_middle((state, &rate), (&end, &last), dt);
-            let [first, second, third] = locked;
-            let points = [(first, state), (second, &middle), (third, &end)];
-            let points = points.map(|(locked, state)| {
-                self.point(&locked.base_motion(state), state, interval, shown)
+            let states = [state, &middle, &end];
+            let points = [0, 1, 2].map(|k| {
+                let motion = locked[k].base_motion(states[k]);
+                self.point((&postures[k], &motion), states[k], interval, shown)
             });
-            carry(&points, (shares, &interval.bend), dt, columns);
+            self.carry(&points, (shares, interval), dt, columns);
         }
         Some(end)
     }
 
     fn point(
         &self,
-        motion: &BaseMotion,
+        (posture, motion): Placed,
         state: &PoseMomentum,
         interval: &Interval,
         shown: &Excitation,
     ) -> Point {
         let R: Matrix3 = state.R_NB.to_rotation_matrix().into_inner();
         let torque = interval.central_torque(motion);
-        let slopes = parameter_slopes(motion, shown);
+        let slopes = parameter_slopes((posture, motion), shown);
+        let inputs = input_slopes(self.configuration, (posture, motion));
         Point {
             pose: motion.pose_rows(state, &motion.twist_rows(state)),
             push: StateRows::of_wrench(state, &interval.force_B, &torque),
-            wheels: wheel_twists(self.configuration, motion).map(|t| pose_change(&R, &t)),
+            inputs: inputs.map(|t| pose_change(&R, &t)),
             parameters: slopes.map(|s| pose_change(&R, &s.twist)),
             pushes: slopes.map(|s| {
                 let h = R * interval.force_B.cross(&s.centre);
@@ -419,36 +522,42 @@ impl Moving<'_> {
             }),
         }
     }
-}
 
-/// Carries all columns over a step.
-fn carry(points: &[Point; 3], (shares, bend): ([f64; 3], &Bend), dt: f64, columns: &mut Columns) {
-    let [begin, middle, end] = points;
-    let rows = StepRows {
-        pose: [&begin.pose, &middle.pose, &end.pose],
-        momentum: [Some(&begin.push), Some(&middle.push), Some(&end.push)],
-        modes: [None; 3],
-    };
-    let none = [[0.0; HALF]; 3];
-    for column in &mut columns.state {
-        rows.carry(&mut column.data.0[0], &none, &none, dt);
-    }
-    let [at_start, at_end] = &mut columns.wheels;
-    for k in 0..WHEELS {
-        let drive = |weight: fn(&Bend, f64) -> f64| {
-            [0, 1, 2].map(|at| (points[at].wheels[k] * weight(bend, shares[at])).into())
+    /// Carries all columns over a step.
+    fn carry(
+        &self,
+        points: &[Point; 3],
+        (shares, interval): ([f64; 3], &Interval),
+        dt: f64,
+        columns: &mut Columns,
+    ) {
+        let [begin, middle, end] = points;
+        let rows = StepRows {
+            pose: [&begin.pose, &middle.pose, &end.pose],
+            momentum: [Some(&begin.push), Some(&middle.push), Some(&end.push)],
+            modes: [None; 3],
         };
-        rows.carry(
-            &mut at_start[k].data.0[0],
-            &drive(Bend::of_begin),
-            &none,
-            dt,
-        );
-        rows.carry(&mut at_end[k].data.0[0], &drive(Bend::of_end), &none, dt);
-    }
-    for (k, column) in columns.parameters.iter_mut().enumerate() {
-        let pose = points.each_ref().map(|p| p.parameters[k].into());
-        let push = points.each_ref().map(|p| p.pushes[k].into());
-        rows.carry(&mut column.data.0[0], &pose, &push, dt);
+        let none = [[0.0; HALF]; 3];
+        for column in &mut columns.state {
+            rows.carry(&mut column.data.0[0], &none, &none, dt);
+        }
+        for (end, of_end) in columns.inputs.iter_mut().enumerate() {
+            for (k, column) in of_end.iter_mut().enumerate() {
+                let noise = self.configuration.input_noise(k);
+                if noise > 0.0 {
+                    let drive = [0, 1, 2].map(|at| {
+                        let [(a, of_a), (b, of_b)] = interval.error(k, end, shares[at]);
+                        let inputs = &points[at].inputs;
+                        ((inputs[a] * of_a + inputs[b] * of_b) * noise).into()
+                    });
+                    rows.carry(&mut column.data.0[0], &drive, &none, dt);
+                }
+            }
+        }
+        for (k, column) in columns.parameters.iter_mut().enumerate() {
+            let pose = points.each_ref().map(|p| p.parameters[k].into());
+            let push = points.each_ref().map(|p| p.pushes[k].into());
+            rows.carry(&mut column.data.0[0], &pose, &push, dt);
+        }
     }
 }

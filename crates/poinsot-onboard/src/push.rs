@@ -1,6 +1,6 @@
 //! A sample on its way into the filter.
 
-use crate::configuration::WHEELS;
+use crate::configuration::Configuration;
 use crate::filter::Filter;
 use crate::sample::Sample;
 use crate::stream::Refusal;
@@ -9,18 +9,26 @@ use crate::stream::Refusal;
 const LENGTH: f64 = 1.0e-3;
 
 /// The sample with a quaternion of length one.
-fn checked(sample: &Sample, wheels: usize) -> Result<Sample, Refusal> {
+fn checked(sample: &Sample, configuration: &Configuration) -> Result<Sample, Refusal> {
     let mut sample = *sample;
+    let (wheels, joints) = (configuration.wheel_count, configuration.joint_count);
+    sample
+        .wheel_speed
+        .iter_mut()
+        .skip(wheels)
+        .for_each(|x| *x = 0.0);
+    for list in [&mut sample.joint_position, &mut sample.joint_rate] {
+        list.iter_mut().skip(joints).for_each(|x| *x = 0.0);
+    }
     let vectors = [sample.gyro, sample.position]
         .into_iter()
         .flatten()
         .flatten();
     let acting = sample.force_B.into_iter().chain(sample.torque_B);
-    let speeds = sample.wheel_speed.into_iter().take(wheels.min(WHEELS));
     let attitude = sample.attitude.into_iter().flatten();
     let mut all = vectors
         .chain(acting)
-        .chain(speeds)
+        .chain(sample.inputs())
         .chain(attitude)
         .chain([sample.time_s]);
     if !all.all(f64::is_finite) {
@@ -44,7 +52,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     /// # Errors
     /// The sample is not used, and the filter is as before.
     pub fn push(&mut self, sample: &Sample) -> Result<(), Refusal> {
-        let sample = checked(sample, self.configuration.wheel_count)?;
+        let sample = checked(sample, &self.configuration)?;
         self.stream
             .insert(sample, self.configuration.longest_gap_s)?;
         while let Some(next) = self.stream.next(self.configuration.reorder) {

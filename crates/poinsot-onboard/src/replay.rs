@@ -3,7 +3,7 @@
 use crate::configuration::{PARAMETERS, PASSES};
 use crate::filter::{Filter, GATE, MOVED};
 use crate::health::{Checkpoint, Verdict};
-use crate::motion::{Bend, Excitation};
+use crate::motion::{Bend, Excitation, Moving};
 use crate::sample::Sample;
 
 /// Shares of the prior by which the motion may deviate from that of the parameters in the first passes: far from the truth a motion
@@ -29,14 +29,22 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             self.conclude(verdict);
             return;
         }
-        if !self.window.gather(sample, &self.configuration) || !self.window.is_due() {
+        let moving = Moving {
+            configuration: &self.configuration,
+            body: &self.body,
+        };
+        if !self.window.gather(sample, &moving) || !self.window.is_due() {
             return;
         }
         let verdict = self.replay();
         self.window.replayed = verdict != Verdict::Lost;
         let near = self.window.replayed && self.is_near();
         let full = self.window.count == WINDOW;
-        self.window.done = near || (full && !self.window.thin(&self.configuration));
+        let moving = Moving {
+            configuration: &self.configuration,
+            body: &self.body,
+        };
+        self.window.done = near || (full && !self.window.thin(&moving));
         self.conclude(verdict);
     }
 
@@ -87,7 +95,8 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
                 return verdict;
             }
             if let Some(here) = self.here() {
-                self.shown.settle(&self.configuration, &here.motion);
+                self.shown
+                    .settle(&self.configuration, (&here.posture, &here.motion));
             }
             level += usize::from(farthest <= FAR || level >= LOOSE.len());
             self.body = self.nearest(&change);

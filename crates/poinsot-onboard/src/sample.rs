@@ -1,6 +1,6 @@
 //! What the filter is given.
 
-use crate::configuration::{AXES, WHEELS};
+use crate::configuration::{AXES, INPUTS, JOINTS, WHEELS, of_joint, of_rate};
 use nalgebra::{Quaternion, UnitQuaternion};
 
 /// What is measured at one time, and what acts until the next.
@@ -16,6 +16,10 @@ pub struct Sample {
     pub position: Option<[f64; AXES]>,
     /// Wheel speeds relative to the base, rad/s; those beyond the number of wheels do not count.
     pub wheel_speed: [f64; WHEELS],
+    /// Positions of the joints, rad or m; those beyond the number of joints do not count.
+    pub joint_position: [f64; JOINTS],
+    /// Their rates, rad/s or m/s.
+    pub joint_rate: [f64; JOINTS],
     /// Force of the thrusters until the next sample, in B, N.
     pub force_B: [f64; AXES],
     /// Their torque about `Bo`, N m.
@@ -31,9 +35,20 @@ impl Sample {
             attitude: None,
             position: None,
             wheel_speed: [0.0; WHEELS],
+            joint_position: [0.0; JOINTS],
+            joint_rate: [0.0; JOINTS],
             force_B: [0.0; AXES],
             torque_B: [0.0; AXES],
         }
+    }
+
+    /// The inputs in one list.
+    pub(crate) fn inputs(&self) -> [f64; INPUTS] {
+        let mut out = [0.0; INPUTS];
+        out[..WHEELS].copy_from_slice(&self.wheel_speed);
+        out[of_joint(0)..of_rate(0)].copy_from_slice(&self.joint_position);
+        out[of_rate(0)..].copy_from_slice(&self.joint_rate);
+        out
     }
 
     pub(crate) fn rotation(&self) -> Option<UnitQuaternion<f64>> {

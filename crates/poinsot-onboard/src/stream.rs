@@ -1,11 +1,13 @@
 //! Order and clock of the samples.
 
-use crate::configuration::{Configuration, HELD_BACK};
-use crate::motion::Bend;
+use crate::configuration::HELD_BACK;
+use crate::motion::{Acting, Bend, Moving};
 use crate::sample::Sample;
 use nalgebra::ArrayStorage;
-use poinsot_spatial::{Vector3, Vector6};
+use poinsot_spatial::Vector6;
 
+/// No momentum and no twist.
+const NOTHING: Acting = Acting::from_array_storage(ArrayStorage([[0.0; 6]; 2]));
 /// No force and no torque.
 const NONE: Vector6 = Vector6::from_array_storage(ArrayStorage([[0.0; 6]]));
 
@@ -135,10 +137,10 @@ struct Since {
     last: Sample,
     /// Impulse of force and torque.
     impulse: Vector6,
-    /// Momentum of the wheels less the impulse, at the beginning and at the last sample, and its integral.
-    begin: Vector6,
-    momentum: Vector6,
-    integral: Vector6,
+    /// What acts less the impulse: at the beginning, at the last sample, its integral.
+    begin: Acting,
+    acting: Acting,
+    integral: Acting,
     readings: u32,
 }
 
@@ -146,42 +148,50 @@ impl Since {
     const NOTHING: Self = Self {
         last: Sample::at(0.0),
         impulse: NONE,
-        begin: NONE,
-        momentum: NONE,
-        integral: NONE,
+        begin: NOTHING,
+        acting: NOTHING,
+        integral: NOTHING,
         readings: 0,
     };
 
     /// From a sample on.
-    fn new(sample: &Sample, wheels: Vector6) -> Self {
+    fn new(sample: &Sample, acting: Acting) -> Self {
         Self {
             last: *sample,
-            begin: wheels,
-            momentum: wheels,
+            begin: acting,
+            acting,
             ..Self::NOTHING
         }
     }
 
-    /// Up to the next sample, what lies before it included.
-    fn add(&mut self, sample: &Sample, bend: &Bend, wheels: Vector6) {
+    /// Up to the next sample, what lies before it included; `acting` is that in the middle and at the sample.
+    fn add(&mut self, sample: &Sample, bend: &Bend, [mut middle, mut end]: [Acting; 2]) {
         let dt = sample.time_s - self.last.time_s;
         let [fx, fy, fz] = self.last.force_B;
         let [tx, ty, tz] = self.last.torque_B;
-        self.impulse += Vector6::new(fx, fy, fz, tx, ty, tz) * dt;
-        let momentum = wheels - self.impulse;
-        self.integral += (self.momentum + momentum) * (0.5 * dt) + Vector6::from(bend.offset);
-        (self.momentum, self.last) = (momentum, *sample);
+        let impulse = Vector6::new(fx, fy, fz, tx, ty, tz) * dt;
+        middle.set_column(0, &(middle.column(0) - self.impulse - impulse * 0.5));
+        self.impulse += impulse;
+        end.set_column(0, &(end.column(0) - self.impulse));
+        self.integral += simpson(&self.acting, &middle, &end) * dt + Acting::from(bend.offset);
+        (self.acting, self.last) = (end, *sample);
         self.readings += bend.readings;
     }
 
-    /// Against the straight line over so long.
-    fn bend(&self, dt: f64) -> Bend {
-        let straight = (self.begin + self.momentum) * (0.5 * dt);
+    /// Against the inputs of both ends and a straight impulse, over an interval with these inputs in its middle.
+    fn bend(&self, dt: f64, mut middle: Acting) -> Bend {
+        middle.set_column(0, &(middle.column(0) - self.impulse * 0.5));
+        let plain = simpson(&self.begin, &middle, &self.acting);
         Bend {
-            offset: (self.integral - straight).into(),
+            offset: (self.integral - plain * dt).into(),
             readings: self.readings,
         }
     }
+}
+
+/// Mean of what has these values at the beginning, in the middle and at the end.
+fn simpson(begin: &Acting, middle: &Acting, end: &Acting) -> Acting {
+    (begin + middle * 4.0 + end) / 6.0
 }
 
 impl<const WINDOW: usize> Window<WINDOW> {
@@ -203,9 +213,8 @@ impl<const WINDOW: usize> Window<WINDOW> {
     }
 
     /// Takes a sample, or leaves it out; whether it took it.
-    pub fn gather(&mut self, sample: &Sample, configuration: &Configuration) -> bool {
-        let momentum = configuration.wheel_momentum(&sample.wheel_speed);
-        self.gather_every(sample, (&Bend::NONE, momentum), 1 << self.thinned)
+    pub fn gather(&mut self, sample: &Sample, moving: &Moving) -> bool {
+        self.gather_every(sample, (&Bend::NONE, moving), 1 << self.thinned)
     }
 
     /// Whether it is full, or a thinned one by three quarters: from one replay to the next it grows by a half or a third.
@@ -218,17 +227,20 @@ impl<const WINDOW: usize> Window<WINDOW> {
     fn gather_every(
         &mut self,
         sample: &Sample,
-        (bend, momentum): (&Bend, Vector3),
+        (bend, moving): (&Bend, &Moving),
         every: u32,
     ) -> bool {
-        let wheels = Vector6::new(0.0, 0.0, 0.0, momentum.x, momentum.y, momentum.z);
+        // Without a vehicle that moves nothing is known to act.
+        let acting = moving.acting(&sample.inputs()).unwrap_or(NOTHING);
+        let half_way = |from: &Sample| moving.between(from, sample).unwrap_or(NOTHING);
         let mut before = Bend::NONE;
         let kept = self
             .count
             .checked_sub(1)
             .and_then(|k| self.samples.get_mut(k));
         if let Some(kept) = kept {
-            self.since.add(sample, bend, wheels);
+            let middle = half_way(&self.since.last);
+            self.since.add(sample, bend, [middle, acting]);
             let tells = (sample.attitude.is_some() && kept.attitude.is_none())
                 || (sample.position.is_some() && kept.position.is_none());
             if self.left_out + 1 < every && !tells {
@@ -240,7 +252,7 @@ impl<const WINDOW: usize> Window<WINDOW> {
                 let [fx, fy, fz, tx, ty, tz] = (self.since.impulse / dt).into();
                 (kept.force_B, kept.torque_B) = ([fx, fy, fz], [tx, ty, tz]);
             }
-            before = self.since.bend(dt);
+            before = self.since.bend(dt, half_way(kept));
         }
         if let Some((place, bend)) = self
             .samples
@@ -250,27 +262,29 @@ impl<const WINDOW: usize> Window<WINDOW> {
             (*place, *bend) = (*sample, before);
             self.count += 1;
         }
-        (self.since, self.left_out) = (Since::new(sample, wheels), 0);
+        (self.since, self.left_out) = (Since::new(sample, acting), 0);
         true
     }
 
     /// Leaves out every second sample of a full window, so that it can go on, unless the vehicle turns too far between them.
-    pub fn thin(&mut self, configuration: &Configuration) -> bool {
+    pub fn thin(&mut self, moving: &Moving) -> bool {
         let Some(last) = self.samples.last() else {
             return false;
         };
         let next = 2.0 * (last.time_s - self.samples[0].time_s) / (WINDOW - 1).max(1) as f64;
-        let rates = self.samples.iter().filter_map(|s| s.gyro);
-        let squares = rates.map(|[x, y, z]| x * x + y * y + z * z);
+        let turn = |s: &Sample| {
+            let joints: f64 = s.joint_rate.iter().map(|x| x * x).sum();
+            s.gyro.map(|[x, y, z]| x * x + y * y + z * z + joints)
+        };
+        let squares = self.samples.iter().filter_map(turn);
         let fastest = squares.fold(0.0, f64::max);
-        if next > configuration.longest_gap_s || next * next * fastest > TURN * TURN {
+        if next > moving.configuration.longest_gap_s || next * next * fastest > TURN * TURN {
             return false;
         }
         (self.count, self.left_out) = (0, 0);
         for k in 0..WINDOW {
             let (sample, bend) = (self.samples[k], self.bends[k]);
-            let momentum = configuration.wheel_momentum(&sample.wheel_speed);
-            self.gather_every(&sample, (&bend, momentum), 2);
+            self.gather_every(&sample, (&bend, moving), 2);
         }
         self.left_out <<= self.thinned;
         self.thinned += 1;

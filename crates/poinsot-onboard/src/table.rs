@@ -1,31 +1,37 @@
 //! A configuration as bytes: written on the ground, read without parsing text.
 //!
-//! All numbers are little-endian. Version 1 has [`TABLE`] bytes:
+//! All numbers are little-endian. Version 2 has [`TABLE`] bytes:
 //!
 //! | offset | type | content |
 //! |---|---|---|
 //! | 0 | 8 bytes | `PNONBRD` and a zero |
-//! | 8 | u32 | version, 1 |
-//! | 12 | u32 | number of bytes, 1380 |
+//! | 8 | u32 | version, 2 |
+//! | 12 | u32 | number of bytes, 2708 |
 //! | 16 | u32 | number of wheels |
 //! | 20 | u32 | unknown parameters: bit k for the k-th of `poinsot_spatial::PARAMETER_NAMES` |
 //! | 24 | u32 | samples that are held back |
-//! | 28 | u32 | zero |
+//! | 28 | u32 | number of joints |
 //! | 32 | 10 x f64 | known parameters |
 //! | 112 | 10 x f64 | nominal parameters of the unknown body |
 //! | 192 | 10 x 10 x f64 | square root of the prior information, row by row |
 //! | 992 | 8 x 5 x f64 | wheels: axis x, y, z, spin inertia, noise |
 //! | 1312 | 6 x f64 | noise: gyro, attitude, position, bias, bias walk, torque walk |
 //! | 1360 | 2 x f64 | longest gap, time to stale |
-//! | 1376 | u32 | CRC-32 of all bytes before it (ISO 3309, as in zlib) |
+//! | 1376 | u32 | link of the unknown body |
+//! | 1380 | u32 | joints that slide: bit k for the k-th |
+//! | 1384 | 7 x f64 | unknown body in its link: rotation x, y, z, w, position |
+//! | 1440 | 7 x u32 | links that carry the joints |
+//! | 1468 | u32 | zero |
+//! | 1472 | 7 x 22 x f64 | joints: rotation x, y, z, w, position, axis, known parameters, noise of position and rate |
+//! | 2704 | u32 | CRC-32 of all bytes before it (ISO 3309, as in zlib) |
 
 use crate::check::Invalid;
-use crate::configuration::{Configuration, Noise, PARAMETERS, Wheel};
+use crate::configuration::{Configuration, JOINTS, Joint, Noise, PARAMETERS, Wheel};
 
 /// Bytes of a table.
-pub const TABLE: usize = 1380;
+pub const TABLE: usize = 2708;
 const MAGIC: [u8; 8] = *b"PNONBRD\0";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 const CHECKED: usize = TABLE - 4;
 
 /// Why a table is refused.
@@ -118,11 +124,12 @@ impl Configuration {
         };
         let unknown = self.unknown.iter().rev();
         let mask = unknown.fold(0, |mask, unknown| (mask << 1) | u32::from(*unknown));
-        // At most 9 wheels and 4 samples in a valid configuration; others are refused when they are read.
+        // Small numbers in a valid configuration; others are refused when they are read.
         let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
         out.put(&MAGIC);
         let words = [VERSION, count(TABLE), count(self.wheel_count), mask];
-        for word in words.into_iter().chain([count(self.reorder), 0]) {
+        let counts = [count(self.reorder), count(self.joint_count)];
+        for word in words.into_iter().chain(counts) {
             out.word(word);
         }
         out.numbers(&self.known);
@@ -136,6 +143,17 @@ impl Configuration {
         out.numbers(&[noise.gyro, noise.attitude, noise.position]);
         out.numbers(&[noise.bias, noise.bias_walk, noise.torque_walk]);
         out.numbers(&[self.longest_gap_s, self.stale_s]);
+        let sliding = self.joints.iter().rev();
+        let sliding = sliding.fold(0, |mask, joint| (mask << 1) | u32::from(joint.slides));
+        out.word(count(self.unknown_link));
+        out.word(sliding);
+        out.numbers(&self.unknown_rotation);
+        out.numbers(&self.unknown_position);
+        let parents = self.joints.iter().map(|joint| count(joint.parent));
+        parents.chain([0]).for_each(|word| out.word(word));
+        for number in self.joints.iter().flat_map(Joint::numbers) {
+            out.numbers(&[number]);
+        }
         let sum = crc32(&out.bytes[..CHECKED]);
         out.word(sum);
         out.bytes
@@ -159,7 +177,7 @@ impl Configuration {
         if last.word() != crc32(&bytes[..CHECKED]) {
             return Err(TableError::Checksum);
         }
-        let [_, wheel_count, mask, reorder, _] = core::array::from_fn(|_| table.word());
+        let [_, wheel_count, mask, reorder, joint_count] = core::array::from_fn(|_| table.word());
         let mut configuration = Self {
             known: table.numbers(),
             nominal: table.numbers(),
@@ -180,10 +198,26 @@ impl Configuration {
                 torque_walk: table.number(),
             },
             longest_gap_s: table.number(),
-            stale_s: 0.0,
+            stale_s: table.number(),
             reorder: reorder as usize,
+            joint_count: joint_count as usize,
+            ..Self::NONE
         };
-        configuration.stale_s = table.number();
+        let [link, sliding] = core::array::from_fn(|_| table.word());
+        configuration.unknown_link = link as usize;
+        configuration.unknown_rotation = table.numbers();
+        configuration.unknown_position = table.numbers();
+        let parents: [u32; JOINTS + 1] = core::array::from_fn(|_| table.word());
+        configuration.joints = core::array::from_fn(|k| Joint {
+            parent: parents[k] as usize,
+            slides: sliding >> k & 1 == 1,
+            rotation: table.numbers(),
+            position: table.numbers(),
+            axis: table.numbers(),
+            known: table.numbers(),
+            position_noise: table.number(),
+            rate_noise: table.number(),
+        });
         match configuration.check(usize::MAX) {
             Ok(()) => Ok(configuration),
             Err(why) => Err(TableError::Invalid(why)),

@@ -106,6 +106,7 @@ fn constants() -> Vec<(&'static str, i64)> {
         ("VERSION", VERSION.into()),
         ("TABLE", poinsot_onboard::TABLE as i64),
         ("WHEELS", poinsot_onboard::WHEELS as i64),
+        ("JOINTS", poinsot_onboard::JOINTS as i64),
         ("WINDOW", WINDOW as i64),
         ("SIZE", SIZE as i64),
     ]);
@@ -138,7 +139,7 @@ fn program() -> String {
         "sizeof(poinsot_onboard_answer) == {}",
         size_of::<Answer>()
     ));
-    let sample = offsets!("poinsot_onboard_sample", Sample: time_s gyro attitude position wheel_speed force_B torque_B measured reserved);
+    let sample = offsets!("poinsot_onboard_sample", Sample: time_s gyro attitude position wheel_speed joint_position joint_rate force_B torque_B measured reserved);
     let answer = offsets!("poinsot_onboard_answer", Answer: value sigma covariance accepted gated health determined unknowns reserved);
     for (field, offset) in sample.into_iter().chain(answer) {
         holds(format!("offsetof({field}) == {offset}"));

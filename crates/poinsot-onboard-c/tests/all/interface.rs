@@ -2,7 +2,7 @@
 
 use crate::record::record;
 use crate::setups;
-use poinsot_onboard::{Configuration, Filter, TABLE, WHEELS};
+use poinsot_onboard::{Configuration, Filter, JOINTS, TABLE, WHEELS};
 use poinsot_onboard_c::*;
 use std::mem::MaybeUninit;
 use std::ptr::{null, null_mut};
@@ -150,6 +150,10 @@ fn unit_every_valid_table_fits() {
     let wheel = setups::tumbling().configuration.wheels[0];
     while configuration.wheel_count < WHEELS {
         configuration = configuration.with_wheel(wheel);
+    }
+    let joint = setups::arm_with_payload().configuration.joints[0];
+    while configuration.joint_count < JOINTS {
+        configuration = configuration.with_joint(joint);
     }
     configuration.noise.bias_walk = 1.0e-6;
     assert_eq!(

@@ -11,6 +11,9 @@ mod header;
 mod interface;
 mod record;
 // Truth and set-ups of the filter's own tests.
+#[path = "../../../poinsot-onboard/tests/all/arm.rs"]
+#[allow(dead_code)]
+mod arm;
 #[path = "../../../poinsot-onboard/tests/all/setups.rs"]
 #[allow(dead_code)]
 mod setups;

@@ -43,6 +43,8 @@ fn of_c(sample: &poinsot_onboard::Sample) -> Sample {
         attitude: sample.attitude.unwrap(),
         position: sample.position.unwrap(),
         wheel_speed: sample.wheel_speed,
+        joint_position: sample.joint_position,
+        joint_rate: sample.joint_rate,
         force_B: sample.force_B,
         torque_B: sample.torque_B,
         measured: MEASURED_GYRO | MEASURED_ATTITUDE | MEASURED_POSITION,
@@ -57,6 +59,8 @@ fn bytes(sample: &Sample) -> Vec<u8> {
         &sample.attitude,
         &sample.position,
         &sample.wheel_speed,
+        &sample.joint_position,
+        &sample.joint_rate,
     ];
     let vectors = vectors
         .into_iter()

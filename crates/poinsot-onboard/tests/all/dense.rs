@@ -1,10 +1,11 @@
-//! The bound of Cramer and Rao of a record: all errors of wheel speeds and the whole motion as unknowns of one least squares problem,
-//! derivatives by differences. The motion is predicted from measured wheel speeds as in the filter, by code of its own.
+//! The bound of Cramer and Rao of a record: all errors of wheel speeds and joints and the whole motion as unknowns of one least squares problem,
+//! derivatives by differences. The motion is predicted from the measured inputs as in the filter, by code of its own.
 
+use crate::arm::{Arm, points};
 use crate::setups::Setup;
 use crate::truth::Motion;
 use nalgebra::{DMatrix, Matrix3, UnitQuaternion, Vector3};
-use poinsot_onboard::{WHEELS, Wheel};
+use poinsot_onboard::{JOINTS, WHEELS, Wheel};
 
 /// Steps of the integration between two samples.
 const STEPS: usize = 4;
@@ -35,33 +36,94 @@ fn body(p: &[f64; 10]) -> Body {
     }
 }
 
+/// Inputs of a sample: wheel speeds, positions and rates of joints.
+#[derive(Clone, Copy)]
+struct Inputs {
+    speeds: [f64; WHEELS],
+    q: [f64; JOINTS],
+    rate: [f64; JOINTS],
+}
+
+impl Inputs {
+    fn of(m: &Motion) -> Self {
+        Self {
+            speeds: m.speeds,
+            q: m.q,
+            rate: m.rate,
+        }
+    }
+
+    fn nth(&mut self, k: usize) -> &mut f64 {
+        match k.checked_sub(WHEELS) {
+            None => &mut self.speeds[k],
+            Some(j) if j < JOINTS => &mut self.q[j],
+            Some(j) => &mut self.rate[j - JOINTS],
+        }
+    }
+
+    /// Between two samples: straight, and the cubic through positions and rates.
+    fn between([a, b]: [&Self; 2], share: f64, dt: f64) -> Self {
+        let (x, y) = (share, 1.0 - share);
+        let bend = |j: usize| {
+            let rise = (b.q[j] - a.q[j]) / dt;
+            (a.rate[j] - rise, b.rate[j] - rise, rise)
+        };
+        Self {
+            speeds: std::array::from_fn(|j| a.speeds[j] + x * (b.speeds[j] - a.speeds[j])),
+            q: std::array::from_fn(|j| {
+                let (first, last, _) = bend(j);
+                y * a.q[j] + x * b.q[j] + x * y * (y * first - x * last) * dt
+            }),
+            rate: std::array::from_fn(|j| {
+                let (first, last, rise) = bend(j);
+                rise + y * (y - 2.0 * x) * first + x * (x - 2.0 * y) * last
+            }),
+        }
+    }
+}
+
 struct Predictor<'a> {
     setup: &'a Setup,
     body: Body,
+    /// The arm with that body.
+    arm: Option<Arm>,
 }
 
-impl Predictor<'_> {
+impl<'a> Predictor<'a> {
+    fn new(setup: &'a Setup, numbers: &[f64; 10]) -> Self {
+        let body = body(numbers);
+        let mut arm = setup.truth.arm.clone();
+        if let Some(last) = arm.as_mut().and_then(|arm| arm.links.last_mut()) {
+            let own = points(body.mass, body.c, body.I);
+            let first = last.points.len() - own.len();
+            last.points[first..].copy_from_slice(&own);
+        }
+        Self { setup, body, arm }
+    }
+
     fn wheels(&self) -> &[Wheel] {
         let configuration = &self.setup.configuration;
         &configuration.wheels[..configuration.wheel_count]
     }
 
-    fn rate(&self, state: &State, speeds: &[f64; WHEELS]) -> Vector3<f64> {
+    fn rate(&self, state: &State, inputs: &Inputs) -> Vector3<f64> {
         let mut h = state.R.inverse() * state.h;
-        for (wheel, speed) in self.wheels().iter().zip(speeds) {
+        if let Some(arm) = &self.arm {
+            return arm.turn(&inputs.q, &inputs.rate, &h);
+        }
+        for (wheel, speed) in self.wheels().iter().zip(&inputs.speeds) {
             h -= Vector3::from(wheel.axis_B) * (wheel.spin_inertia * speed);
         }
         self.body.I.try_inverse().unwrap() * h
     }
 
-    /// From sample k to the next, speeds straight in between.
-    fn follow(&self, start: &State, k: usize, ends: [&[f64; WHEELS]; 2]) -> State {
+    /// From sample k to the next.
+    fn follow(&self, start: &State, k: usize, ends: [&Inputs; 2]) -> State {
         let (force, torque) = (self.setup.truth.wrench)(k);
         let dt = self.setup.truth.dt / STEPS as f64;
         let slope = |s: &State, share: f64| {
-            let speeds = std::array::from_fn(|j| ends[0][j] + share * (ends[1][j] - ends[0][j]));
             (
-                self.rate(s, &speeds),
+                self.rate(s, &Inputs::between(ends, share, self.setup.truth.dt)),
                 s.R * (torque - self.body.c.cross(&force)),
                 s.R * force,
             )
@@ -110,7 +172,7 @@ enum Unknown {
     Push(usize),
     Bias,
     Parameter(usize),
-    Wheel(usize, usize),
+    Input(usize, usize),
 }
 
 /// Sigma of the unknown parameters after the first `count` samples of a motion.
@@ -118,7 +180,18 @@ pub fn bound(setup: &Setup, motions: &[Motion], count: usize) -> Vec<f64> {
     let noise = setup.configuration.noise;
     let truth = setup.truth.parameters();
     let translates = noise.position > 0.0;
-    let wheels = setup.configuration.wheel_count;
+    let noise_of = |input: usize| {
+        let c = &setup.configuration;
+        let joint = |j: usize| c.joints[j % JOINTS];
+        match input.checked_sub(WHEELS) {
+            None => c.wheels[input].noise,
+            Some(j) if j < JOINTS => joint(j).position_noise,
+            Some(j) => joint(j).rate_noise,
+        }
+    };
+    let noisy: Vec<usize> = (0..WHEELS + 2 * JOINTS)
+        .filter(|k| noise_of(*k) > 0.0)
+        .collect();
     let parameters: Vec<usize> = (0..10).filter(|k| setup.sigma[*k] > 0.0).collect();
     let mut unknowns: Vec<Unknown> = parameters.iter().map(|k| Unknown::Parameter(*k)).collect();
     for axis in 0..3 {
@@ -130,36 +203,35 @@ pub fn bound(setup: &Setup, motions: &[Motion], count: usize) -> Vec<f64> {
     let moving = unknowns.len();
     unknowns.extend([Unknown::Bias; 3]);
     let of_wheels = unknowns.len();
-    unknowns.extend((0..count).flat_map(|k| (0..wheels).map(move |j| Unknown::Wheel(k, j))));
+    let inputs = (0..count).flat_map(|k| noisy.iter().map(move |j| Unknown::Input(k, *j)));
+    unknowns.extend(inputs);
 
     let rows = if translates { 9 } else { 6 };
     let mut J = DMatrix::<f64>::zeros(rows * count, unknowns.len());
-    let first = Predictor {
-        setup,
-        body: body(&truth),
-    };
+    let first = Predictor::new(setup, &truth);
     let start = {
         let m = &motions[0];
         let mut h = first.body.I * m.w;
         for (wheel, speed) in first.wheels().iter().zip(&m.speeds) {
             h += Vector3::from(wheel.axis_B) * (wheel.spin_inertia * speed);
         }
+        let arm = setup.truth.arm.as_ref();
         State {
             R: m.R,
-            h: m.R * h,
+            h: arm.map_or(m.R * h, |arm| arm.momentum(m)),
             p: m.p,
             P: m.v * first.body.mass,
         }
     };
     let mut path = vec![start];
     for k in 1..count {
-        let ends = [&motions[k - 1].speeds, &motions[k].speeds];
-        path.push(first.follow(&path[k - 1], k - 1, ends));
+        let ends = [k - 1, k].map(|k| Inputs::of(&motions[k]));
+        path.push(first.follow(&path[k - 1], k - 1, ends.each_ref()));
     }
     for (column, unknown) in unknowns.iter().enumerate() {
         let (step, from) = match unknown {
             Unknown::Bias => continue,
-            Unknown::Wheel(k, j) => (setup.configuration.wheels[*j].noise, *k),
+            Unknown::Input(k, j) => (noise_of(*j), *k),
             Unknown::Parameter(k) => (1.0e-4 * setup.sigma[*k], 0),
             _ => (1.0e-5, 0),
         };
@@ -175,19 +247,16 @@ pub fn bound(setup: &Setup, motions: &[Motion], count: usize) -> Vec<f64> {
                 Unknown::Position(axis) => state.p[*axis] += sign * step,
                 Unknown::Push(axis) => state.P[*axis] += sign * step,
                 Unknown::Parameter(k) => numbers[*k] += sign * step,
-                Unknown::Wheel(k, j) => off = Some((*k, *j)),
+                Unknown::Input(k, j) => off = Some((*k, *j)),
                 Unknown::Bias => {}
             }
-            let predictor = Predictor {
-                setup,
-                body: body(&numbers),
-            };
+            let predictor = Predictor::new(setup, &numbers);
             let of = |k: usize| {
-                let mut s = motions[k].speeds;
+                let mut inputs = Inputs::of(&motions[k]);
                 if let Some((_, j)) = off.filter(|(at, _)| *at == k) {
-                    s[j] += sign * step;
+                    *inputs.nth(j) += sign * step;
                 }
-                s
+                inputs
             };
             let mut out: Vec<f64> = Vec::new();
             for k in from.saturating_sub(1)..count {
@@ -219,7 +288,7 @@ pub fn bound(setup: &Setup, motions: &[Motion], count: usize) -> Vec<f64> {
     let mut scale = vec![1.0; unknowns.len()];
     for (column, unknown) in unknowns.iter().enumerate() {
         let (size, prior) = match unknown {
-            Unknown::Wheel(_, j) => (setup.configuration.wheels[*j].noise, 1.0),
+            Unknown::Input(_, j) => (noise_of(*j), 1.0),
             Unknown::Parameter(k) => (setup.sigma[*k], 1.0),
             Unknown::Bias => (noise.bias, 1.0),
             _ => (1.0e-4, 0.0),
@@ -231,7 +300,7 @@ pub fn bound(setup: &Setup, motions: &[Motion], count: usize) -> Vec<f64> {
     for (k, prior) in scale.iter().enumerate() {
         information[(k, k)] += prior;
     }
-    // The wheels' errors are eliminated.
+    // The errors of the inputs are eliminated.
     let n = of_wheels;
     let rest = unknowns.len() - n;
     let mut small = information.view((0, 0), (n, n)).into_owned();

@@ -7,6 +7,7 @@
     non_snake_case
 )]
 
+mod arm;
 mod dense;
 mod prop_table;
 mod setups;

@@ -1,11 +1,12 @@
 //! Set-ups of the trials.
 
+use crate::arm::{Arm, Link, points};
 use crate::truth::{Motion, Noise, Truth};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
-use poinsot_onboard::{Configuration, Filter, WHEELS, Wheel};
+use poinsot_onboard::{Configuration, Filter, JOINTS, Joint, WHEELS, Wheel};
 
 /// The filter of the trials: 30 s are replayed.
-pub type OnBoard = Filter<48, 150>;
+pub type OnBoard = Filter<64, 150>;
 
 /// Prior sigma relative to the parameter's natural unit.
 pub const PRIOR: f64 = 0.2;
@@ -42,6 +43,8 @@ fn at_rest(w: Vector3<f64>) -> Motion {
         R: UnitQuaternion::from_scaled_axis(Vector3::new(0.3, -0.5, 0.2)),
         w,
         speeds: [0.0; WHEELS],
+        q: [0.0; JOINTS],
+        rate: [0.0; JOINTS],
         p: Vector3::new(1.0, 2.0, -0.5),
         v: Vector3::new(0.02, -0.01, 0.03),
     }
@@ -103,6 +106,7 @@ pub fn bus_with_wheels() -> Setup {
         wrench: |_| (Vector3::zeros(), Vector3::zeros()),
         dt: 0.2,
         samples: 600,
+        arm: None,
     };
     let mut configuration = Configuration::new(truth.parameters(), noise());
     for (x, y) in [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)] {
@@ -132,6 +136,7 @@ pub fn bus_with_thrusters() -> Setup {
         },
         dt: 0.2,
         samples: 600,
+        arm: None,
     };
     let mut noise = noise();
     noise.position = 2.0e-3;
@@ -157,6 +162,7 @@ pub fn tumbling() -> Setup {
         wrench: |_| (Vector3::zeros(), Vector3::zeros()),
         dt: 0.2,
         samples: 600,
+        arm: None,
     };
     let configuration = Configuration::new(truth.parameters(), noise()).with_wheel(Wheel {
         axis_B: [0.0, 0.6, 0.8],
@@ -166,8 +172,107 @@ pub fn tumbling() -> Setup {
     setup("tumbling body", truth, configuration, 4)
 }
 
-pub fn all() -> [Setup; 3] {
-    [bus_with_wheels(), bus_with_thrusters(), tumbling()]
+/// The ten parameters about the origin of a frame.
+fn ten(mass: f64, c: Vector3<f64>, I: Matrix3<f64>) -> [f64; 10] {
+    let truth = Truth {
+        mass,
+        c,
+        I,
+        ..bus_with_wheels().truth
+    };
+    truth.parameters()
+}
+
+/// A satellite of 300 kg whose arm of three joints holds a payload, all ten numbers of which are unknown; the encoders have noise.
+pub fn arm_with_payload() -> Setup {
+    let diagonal = |x, y, z| Matrix3::from_diagonal(&Vector3::new(x, y, z));
+    let base = (
+        300.0,
+        Vector3::new(0.05, 0.0, -0.1),
+        diagonal(60.0, 70.0, 50.0),
+    );
+    let known = (12.0, Vector3::new(0.4, 0.0, 0.0), diagonal(0.05, 0.7, 0.7));
+    let payload = (
+        40.0,
+        Vector3::new(0.9, 0.1, -0.05),
+        Matrix3::new(4.0, 0.2, -0.1, 0.2, 3.0, 0.15, -0.1, 0.15, 2.5),
+    );
+    let turn = UnitQuaternion::from_scaled_axis;
+    let link = |parent, p, R: Vector3<f64>, axis, curve| Link {
+        parent,
+        slides: false,
+        R: turn(R),
+        p,
+        axis,
+        curve,
+        points: points(known.0, known.1, known.2),
+    };
+    let mut links = vec![
+        link(
+            0,
+            Vector3::new(0.6, 0.2, 0.5),
+            Vector3::new(0.0, 0.0, 0.4),
+            Vector3::z(),
+            [0.2, 0.6, 0.21, 0.0, 0.3, 0.13, 1.0],
+        ),
+        link(
+            1,
+            Vector3::new(0.1, 0.0, 0.1),
+            Vector3::new(0.3, 0.1, 0.0),
+            Vector3::y(),
+            [0.4, 0.5, 0.17, 0.7, 0.3, 0.29, 2.0],
+        ),
+        link(
+            2,
+            Vector3::new(0.9, 0.0, 0.0),
+            Vector3::new(-0.5, 0.0, 0.2),
+            Vector3::new(0.6, 0.0, 0.8),
+            [-0.5, 0.7, 0.25, 1.9, 0.2, 0.11, 0.4],
+        ),
+    ];
+    links[2]
+        .points
+        .extend(points(payload.0, payload.1, payload.2));
+    let truth = Truth {
+        mass: payload.0,
+        c: payload.1,
+        I: payload.2,
+        start: at_rest(Vector3::new(0.01, -0.02, 0.015)),
+        hold: 1,
+        motors: |_| [0.0; WHEELS],
+        wrench: |_| (Vector3::zeros(), Vector3::zeros()),
+        dt: 0.2,
+        samples: 600,
+        arm: Some(Arm {
+            base: points(base.0, base.1, base.2),
+            links: links.clone(),
+        }),
+    };
+    let mut configuration = Configuration::new(truth.parameters(), noise());
+    configuration.known = ten(base.0, base.1, base.2);
+    configuration.unknown_link = links.len();
+    for link in &links {
+        configuration = configuration.with_joint(Joint {
+            parent: link.parent,
+            slides: link.slides,
+            rotation: link.R.coords.into(),
+            position: link.p.into(),
+            axis: link.axis.into(),
+            known: ten(known.0, known.1, known.2),
+            position_noise: 1.0e-4,
+            rate_noise: 1.0e-4,
+        });
+    }
+    setup("arm with payload", truth, configuration, 0)
+}
+
+pub fn all() -> [Setup; 4] {
+    [
+        bus_with_wheels(),
+        bus_with_thrusters(),
+        tumbling(),
+        arm_with_payload(),
+    ]
 }
 
 impl Setup {

@@ -13,6 +13,9 @@ const END: usize = 450;
 /// Largest error of a good number, sigma.
 const WRONG: f64 = 6.0;
 
+/// Delay of a tracker, s.
+const DELAY: f64 = 0.02;
+
 /// How a sample of the fault is changed; it sees the one before the fault.
 type Change = fn(&mut Sample, &Sample);
 
@@ -28,6 +31,14 @@ fn faults() -> Vec<(&'static str, Setup, Change)> {
     let frozen: Change = |sample, before| sample.gyro = before.gyro;
     let sign: Change = |sample, _| sample.wheel_speed[0] = -sample.wheel_speed[0];
     let off: Change = |sample, _| turned(sample, 1.0_f64.to_radians());
+    let late: Change = |sample, _| {
+        let turned = sample.gyro.map(Vector3::from).unwrap() * -DELAY;
+        if let Some(R) = sample.attitude {
+            let R =
+                UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(R[3], R[0], R[1], R[2]));
+            sample.attitude = Some((R * UnitQuaternion::from_scaled_axis(turned)).coords.into());
+        }
+    };
     let silent: Change = |sample, _| {
         sample.force_B = [1.0, 0.0, 0.0];
         sample.torque_B = [0.0, 0.15, 0.0];
@@ -37,6 +48,7 @@ fn faults() -> Vec<(&'static str, Setup, Change)> {
         setups::bus_with_wheels,
         setups::bus_with_thrusters,
         setups::tumbling,
+        setups::arm_with_payload,
     ] {
         out.push(("gyro frozen", setup(), frozen));
         out.push(("tracker off by 1 degree", setup(), off));
@@ -44,6 +56,18 @@ fn faults() -> Vec<(&'static str, Setup, Change)> {
     for setup in [setups::bus_with_wheels, setups::tumbling] {
         out.push(("sign of a wheel", setup(), sign));
     }
+    let stuck: Change = |sample, before| {
+        (sample.joint_position[1], sample.joint_rate[1]) = (before.joint_position[1], 0.0);
+    };
+    let backwards: Change = |sample, _| {
+        sample.joint_position[1] = -sample.joint_position[1];
+        sample.joint_rate[1] = -sample.joint_rate[1];
+    };
+    for setup in [setups::tumbling, setups::arm_with_payload] {
+        out.push(("tracker 20 ms late", setup(), late));
+    }
+    out.push(("encoder stuck", setups::arm_with_payload(), stuck));
+    out.push(("sign of a joint", setups::arm_with_payload(), backwards));
     out.push(("wrong thrusters", setups::bus_with_thrusters(), silent));
     out
 }

@@ -1,7 +1,8 @@
 //! A rigid body with wheels in time: Newton and Euler about the mass centre, Runge-Kutta at a hundredth of a second.
 
+use crate::arm::Arm;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
-use poinsot_onboard::{Configuration, Sample, WHEELS};
+use poinsot_onboard::{Configuration, JOINTS, Sample, WHEELS};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -9,7 +10,7 @@ use rand_distr::{Distribution, StandardNormal};
 /// Longest step of the integration, s.
 const STEP: f64 = 0.01;
 
-/// Mass, mass centre and central inertia of the truth, and what drives it.
+/// Mass, mass centre and central inertia of the unknown body, and what drives it.
 #[derive(Clone)]
 pub struct Truth {
     pub mass: f64,
@@ -24,6 +25,8 @@ pub struct Truth {
     pub wrench: fn(usize) -> (Vector3<f64>, Vector3<f64>),
     pub dt: f64,
     pub samples: usize,
+    /// With it the body above is one of its links, and nothing else drives.
+    pub arm: Option<Arm>,
 }
 
 #[derive(Clone, Copy)]
@@ -31,6 +34,9 @@ pub struct Motion {
     pub R: UnitQuaternion<f64>,
     pub w: Vector3<f64>,
     pub speeds: [f64; WHEELS],
+    /// Positions and rates of the joints.
+    pub q: [f64; JOINTS],
+    pub rate: [f64; JOINTS],
     /// Of the mass centre, in N.
     pub p: Vector3<f64>,
     pub v: Vector3<f64>,
@@ -57,6 +63,9 @@ impl Truth {
 
     /// The motion at all samples.
     pub fn motions(&self, configuration: &Configuration) -> Vec<Motion> {
+        if let Some(arm) = &self.arm {
+            return arm.motions(&self.start, self.dt, self.samples);
+        }
         let steps = (self.dt / STEP).ceil() as usize;
         let mut now = self.start;
         let mut out = vec![now];
@@ -76,6 +85,7 @@ impl Truth {
             speeds: std::array::from_fn(|j| m.speeds[j] + r.speeds[j] * dt),
             p: m.p + r.p * dt,
             v: m.v + r.v * dt,
+            ..*m
         };
         // The turn of a step by the mean rate of Simpson's rule and its commutator (Magnus, fourth order).
         let a = self.rates(configuration, now, k);
@@ -94,6 +104,7 @@ impl Truth {
             }),
             p: now.p + mean(|r| r.p) * dt,
             v: now.v + mean(|r| r.v) * dt,
+            ..*now
         }
     }
 
@@ -178,6 +189,12 @@ pub fn samples(
         let wheels = &configuration.wheels[..configuration.wheel_count];
         for (speed, wheel) in sample.wheel_speed.iter_mut().zip(wheels) {
             *speed += vector(wheel.noise).x;
+        }
+        (sample.joint_position, sample.joint_rate) = (m.q, m.rate);
+        let joints = configuration.joints.iter().take(configuration.joint_count);
+        for (j, joint) in joints.enumerate() {
+            sample.joint_position[j] += vector(joint.position_noise).x;
+            sample.joint_rate[j] += vector(joint.rate_noise).x;
         }
         (sample.force_B, sample.torque_B) = (force.into(), torque.into());
         out.push(sample);

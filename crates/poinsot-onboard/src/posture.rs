@@ -1,0 +1,188 @@
+//! The vehicle at one position and rate of its joints.
+//!
+//! Everything is in B, about `Bo`. A joint moves what it carries by a twist of its own for each unit of its rate.
+
+use crate::configuration::{AXES, Configuration, INPUTS, JOINTS, Joint, PARAMETERS};
+use crate::configuration::{of_joint, of_rate};
+use poinsot_dynamics::Composite;
+use poinsot_dynamics::propagation::{BaseMotion, LockedVehicle};
+use poinsot_spatial::{InertialParameters, Matrix3, Rotation3, UnitQuaternion, Vector3, Vector6};
+
+/// Position of a frame.
+#[derive(Debug, Clone, Copy)]
+pub struct Pose {
+    /// From the frame to the base.
+    pub R: Matrix3,
+    /// Its origin.
+    pub p: Vector3,
+}
+
+impl Pose {
+    const BASE: Self = Self {
+        R: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
+        p: Vector3::new(0.0, 0.0, 0.0),
+    };
+
+    /// A frame that stands in this one at a quaternion x, y, z, w and a position.
+    fn then(&self, [x, y, z, w]: [f64; 4], p: [f64; AXES]) -> Self {
+        let q = nalgebra::Quaternion::new(w, x, y, z);
+        let R = UnitQuaternion::new_unchecked(q).to_rotation_matrix();
+        Self {
+            R: self.R * R.matrix(),
+            p: self.p + self.R * Vector3::from(p),
+        }
+    }
+
+    /// The link of a joint whose parent stands here.
+    fn link(&self, joint: &Joint, position: f64) -> Self {
+        let mut link = self.then(joint.rotation, joint.position);
+        let axis = Vector3::from(joint.axis);
+        if joint.slides {
+            link.p += link.R * axis * position;
+        } else {
+            link.R *= Rotation3::new(axis * position).matrix();
+        }
+        link
+    }
+}
+
+/// The vehicle at one position and rate of its joints.
+#[derive(Debug, Clone, Copy)]
+pub struct Posture {
+    /// Frame of the unknown body.
+    pub unknown: Pose,
+    /// Twist of that body by the joints alone.
+    pub of_unknown: Vector6,
+    /// All bodies.
+    pub whole: InertialParameters,
+    /// Momentum of the joints, the base at rest.
+    pub momentum: Vector6,
+    /// What each joint carries, and how it moves it.
+    carried: [InertialParameters; JOINTS],
+    screws: [Vector6; JOINTS],
+    rates: [f64; JOINTS],
+    /// Twist of each link by the joints alone, and momentum of what it carries beside that of its own twist.
+    twists: [Vector6; JOINTS],
+    beyond: [Vector6; JOINTS],
+}
+
+/// Linear and angular part.
+pub fn halves(x: &Vector6) -> (Vector3, Vector3) {
+    (Vector3::new(x.x, x.y, x.z), Vector3::new(x.w, x.a, x.b))
+}
+
+/// The same together.
+pub fn stacked(linear: &Vector3, angular: &Vector3) -> Vector6 {
+    let (a, b) = (linear, angular);
+    Vector6::new(a.x, a.y, a.z, b.x, b.y, b.z)
+}
+
+/// Momentum of a body at a twist.
+pub fn momentum(of: &InertialParameters, twist: &Vector6) -> Vector6 {
+    let (v, w) = halves(twist);
+    stacked(
+        &(v * of.mass + w.cross(&of.mc_B)),
+        &(of.mc_B.cross(&v) + of.I_BBo_B * w),
+    )
+}
+
+impl Posture {
+    /// The vehicle with these parameters of the unknown body.
+    pub fn new(
+        configuration: &Configuration,
+        body: &[f64; PARAMETERS],
+        inputs: &[f64; INPUTS],
+    ) -> Self {
+        let joints = configuration.joints();
+        let mut links = [Pose::BASE; JOINTS];
+        let mut out = Self {
+            unknown: Pose::BASE,
+            of_unknown: Vector6::zeros(),
+            whole: InertialParameters::from_array(&configuration.known),
+            momentum: Vector6::zeros(),
+            carried: [InertialParameters::ZERO; JOINTS],
+            screws: [Vector6::zeros(); JOINTS],
+            rates: [0.0; JOINTS],
+            twists: [Vector6::zeros(); JOINTS],
+            beyond: [Vector6::zeros(); JOINTS],
+        };
+        for (j, joint) in joints.iter().enumerate() {
+            let (parent, by_parent) = match joint.parent.checked_sub(1) {
+                Some(parent) => (links[parent], out.twists[parent]),
+                None => (Pose::BASE, Vector6::zeros()),
+            };
+            let link = parent.link(joint, inputs[of_joint(j)]);
+            let axis = link.R * Vector3::from(joint.axis);
+            out.screws[j] = match joint.slides {
+                true => stacked(&axis, &Vector3::zeros()),
+                false => stacked(&link.p.cross(&axis), &axis),
+            };
+            out.rates[j] = inputs[of_rate(j)];
+            out.twists[j] = by_parent + out.screws[j] * out.rates[j];
+            let known = InertialParameters::from_array(&joint.known);
+            out.carried[j] = known.transported(&link.R, &link.p);
+            links[j] = link;
+        }
+        let place = configuration.unknown_link.checked_sub(1);
+        let link = place.map_or(Pose::BASE, |j| links[j]);
+        out.unknown = link.then(
+            configuration.unknown_rotation,
+            configuration.unknown_position,
+        );
+        let body = InertialParameters::from_array(body);
+        let body = body.transported(&out.unknown.R, &out.unknown.p);
+        match place {
+            Some(j) => {
+                out.of_unknown = out.twists[j];
+                out.carried[j] = out.carried[j].with_added(1.0, &body);
+            }
+            None => out.whole = out.whole.with_added(1.0, &body),
+        }
+        for (j, joint) in joints.iter().enumerate().rev() {
+            let carried = out.carried[j];
+            let moved = momentum(&carried, &(out.screws[j] * out.rates[j]));
+            out.momentum += moved;
+            let all = moved + out.beyond[j];
+            match joint.parent.checked_sub(1) {
+                Some(parent) => {
+                    out.carried[parent] = out.carried[parent].with_added(1.0, &carried);
+                    out.beyond[parent] += all;
+                }
+                None => out.whole = out.whole.with_added(1.0, &carried),
+            }
+        }
+        out
+    }
+
+    /// As one body, with a momentum about `Bo` beside that of the joints.
+    pub fn locked(&self, more: &Vector6) -> Option<LockedVehicle> {
+        let composite = Composite {
+            mass: self.whole.mass,
+            mc: self.whole.mc_B,
+            I_SBo_B: self.whole.I_BBo_B,
+        };
+        LockedVehicle::new(&composite, &composite, &(self.momentum + more))
+    }
+
+    /// Change of the base's twist with the rate of a joint.
+    pub fn of_rate(&self, j: usize, motion: &BaseMotion) -> Vector6 {
+        let momentum = momentum(&self.carried[j], &self.screws[j]);
+        motion.twist_slope(&momentum, &Vector3::zeros())
+    }
+
+    /// Change of the base's twist with the position of a joint.
+    ///
+    /// What the joint carries is turned with its momentum, but its twist as far as the joint's own link has it does not turn.
+    pub fn of_position(&self, j: usize, motion: &BaseMotion) -> Vector6 {
+        let carried = &self.carried[j];
+        let (v, w) = halves(&self.screws[j]);
+        let link = self.twists[j] + stacked(&motion.twist.v, &motion.twist.w);
+        let (l, h) = halves(&(momentum(carried, &link) + self.beyond[j]));
+        let turned = stacked(&w.cross(&l), &(w.cross(&h) + v.cross(&l)));
+        let (v_link, w_link) = halves(&link);
+        let held = stacked(&(w.cross(&v_link) + v.cross(&w_link)), &w.cross(&w_link));
+        let centre = (v * carried.mass + w.cross(&carried.mc_B)) / motion.centre.mass;
+        let change = turned - momentum(carried, &held);
+        motion.twist_slope(&change, &centre)
+    }
+}
