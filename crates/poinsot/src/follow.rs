@@ -1,10 +1,11 @@
 //! The command `follow`: the on-board filter on rows of telemetry as they arrive.
 
 use crate::bind::RELATIVE_ACCURACY;
+use crate::channel_names;
 use crate::error::{Error, check_accuracy};
 use crate::identify::read_options;
 use crate::onboard::{Estimated, OnBoard};
-use poinsot_model::{Model, read_model, read_telemetry_map};
+use poinsot_model::{Model, SensorKind, read_model, read_telemetry_map};
 use poinsot_onboard::{GroundFilter, Health, Sample, SensorCounts};
 use poinsot_telemetry::{Part, ReadOptions, read_parts};
 use serde_json::{Map, Value, json};
@@ -260,6 +261,17 @@ impl Follower {
     pub fn push_parts(&mut self, parts: &[Part]) -> Result<Vec<Followed>, Error> {
         let table = read_parts(parts, &self.options)?;
         if self.filter.is_none() {
+            // A joint with a column moves; where it is locked counts without one.
+            for joint in 0..self.model.joints.len() {
+                let own = channel_names::names(&self.model, SensorKind::JointPosition, &[joint]);
+                if own
+                    .iter()
+                    .any(|name| table.sensor_channel("", name).is_some())
+                {
+                    self.model.joints[joint].locked_at = None;
+                }
+            }
+            self.on_board = OnBoard::new(&self.model, None)?;
             self.on_board.check_channels(&self.model, &table)?;
         }
         self.options.origin = table.origin;

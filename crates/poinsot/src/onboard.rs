@@ -1,15 +1,18 @@
 //! The filter of `poinsot-onboard` for a model: its configuration, and the samples of a table.
 
+mod rigid;
+
 use crate::channel_names;
 use crate::error::{Error, missing, no_noise, unsupported};
 use crate::mass_numbers::{names, with_answer};
 use nalgebra::{SMatrix, SVector};
-use poinsot_dynamics::{Kinematics, Nozzle, SAME_TIME, SensorKind, Tree, composite, thrust_wrench};
+use poinsot_dynamics::{Kinematics, Nozzle, SAME_TIME, SensorKind, Tree, thrust_wrench};
 use poinsot_formats::EstimateFile;
 use poinsot_model::{Body, EstimateSet, Joint, Model, Nuisance, Sensor, SlowError};
-use poinsot_onboard::{Answer, Configuration, Noise, Sample, WHEELS, Wheel};
+use poinsot_onboard::{Answer, Configuration, JOINTS, Noise, Sample, WHEELS};
 use poinsot_spatial::{InertialParameters, MassProperties};
 use poinsot_telemetry::{Channel, Table, resample};
+use rigid::{Rigid, quaternion};
 
 /// Prior sigma of a body without a declared one, relative to its natural units.
 const PRIOR: f64 = 0.2;
@@ -30,6 +33,10 @@ pub struct OnBoard {
     /// Assumptions, one a line.
     pub assumed: Vec<String>,
     nozzles: Vec<Nozzle>,
+    /// The unknown body.
+    body: usize,
+    /// The joints that move, in the order of the configuration.
+    moving: Vec<usize>,
 }
 
 /// A number of the unknown body.
@@ -46,7 +53,8 @@ pub struct Estimated {
 }
 
 impl OnBoard {
-    /// The filter of a model of which one body is unknown, the base. With an answer its numbers and covariance are the prior.
+    /// The filter of a model of which one body is unknown. With an answer its numbers and covariance are the prior. Joints without a
+    /// declared position move, and their encoders are inputs.
     ///
     /// # Errors
     /// The model has what the filter does not follow, or lacks noise that it needs.
@@ -68,30 +76,27 @@ impl OnBoard {
     /// ```
     pub fn new(model: &Model, answer: Option<&EstimateFile>) -> Result<Self, Error> {
         let mut assumed = Vec::new();
-        let body = unknown_body(model)?;
+        let at = unknown_body(model)?;
+        let body = &model.bodies[at];
         let tree = Tree::new(model);
-        let mut kinematics = Kinematics::new(&tree);
-        let standing = |joint: &usize| model.joints.get(*joint).map_or(0.0, |j| j.standing_at());
-        let q: Vec<f64> = tree.coordinates.iter().map(standing).collect();
-        if !q.is_empty() {
-            assumed.push("assumed: all joints stay where the model puts them".to_owned());
-        }
-        kinematics.place(&tree, &q);
-        let mut others = model.nominal_parameters();
-        others[0] = InertialParameters::ZERO;
-        let known = composite(&others, &kinematics).parameters();
+        let rigid = Rigid::new(model, &tree);
         let nominal = with_answer(body, answer);
         let mut configuration = Configuration::new(nominal.parameters().to_array(), noise(model)?);
-        configuration.known = known.to_array();
         let covariance = covariance(body, &nominal, answer, &mut assumed);
         set_prior(&mut configuration, body.estimate, &nominal, &covariance)?;
-        for (k, wheel) in model.wheels.iter().enumerate() {
-            configuration = configuration.with_wheel(Wheel {
-                axis_B: (kinematics.R[wheel.body] * wheel.axis_B).into(),
-                spin_inertia: wheel.spin_inertia,
-                noise: wheel_noise(model, k),
-            });
+        let mut known = model.nominal_parameters();
+        known[at] = InertialParameters::ZERO;
+        let mut configuration = rigid.add_links(configuration, model, &known);
+        let (R, p) = rigid.pose(at);
+        configuration.unknown_link = rigid.of[at];
+        configuration.unknown_rotation = quaternion(&R);
+        configuration.unknown_position = p.into();
+        let configuration = rigid.add_wheels(configuration, model)?;
+        assumed.extend(unused(model));
+        for thruster in &model.thrusters {
+            rigid.on_base(thruster.body, &format!("thruster \"{}\"", thruster.name))?;
         }
+        let kinematics = &rigid.kinematics;
         check(&configuration)?;
         let nozzles = model.thrusters.iter().map(|t| Nozzle {
             body: 0,
@@ -101,6 +106,8 @@ impl OnBoard {
         });
         Ok(Self {
             nozzles: nozzles.collect(),
+            moving: rigid.moving.iter().map(|link| link.joint).collect(),
+            body: at,
             configuration,
             assumed,
         })
@@ -108,7 +115,7 @@ impl OnBoard {
 
     /// Each unknown number of an answer: mass, mass centre, central inertia.
     pub fn numbers(&self, model: &Model, answer: &Answer) -> Vec<Estimated> {
-        let Some((body, of)) = model.bodies.first().zip(central(answer)) else {
+        let Some((body, of)) = model.bodies.get(self.body).zip(central(answer)) else {
             return Vec::new();
         };
         let (at, addresses, units) = (of.to_array(), names(&body.name), of.natural_units());
@@ -142,31 +149,36 @@ impl OnBoard {
         all.map(number).collect()
     }
 
-    /// Checks that a table has gyro, attitude, wheels, thrusters, and a position where mass is unknown.
+    /// Checks that a table has gyro, attitude, wheels, thrusters, joints, and a position where the model has one.
     ///
     /// # Errors
     /// E0301: a channel is missing.
     pub fn check_channels(&self, model: &Model, table: &Table) -> Result<(), Error> {
-        use SensorKind::{Attitude, Gyro, Position, Thrust, WheelSpeed};
+        use SensorKind::{Attitude, Gyro, JointPosition, JointRate, Position, Thrust, WheelSpeed};
         let position = [Position]
             .into_iter()
             .filter(|_| self.configuration.noise.position > 0.0);
         let sensors = [Gyro, Attitude].into_iter().chain(position);
         let mut absent = sensors.filter(|kind| channels(model, table, *kind).is_none());
-        let names =
-            |kind, count| channel_names::names(model, kind, &(0..count).collect::<Vec<_>>());
-        let mut scalars = names(WheelSpeed, model.wheels.len());
-        scalars.extend(names(Thrust, model.thrusters.len()));
-        let scalar = scalars
-            .into_iter()
-            .find(|name| table.sensor_channel("", name).is_none());
+        let all = |count| (0..count).collect::<Vec<usize>>();
+        let kinds = [
+            (WheelSpeed, all(model.wheels.len())),
+            (Thrust, all(model.thrusters.len())),
+            (JointPosition, self.moving.clone()),
+            (JointRate, self.moving.clone()),
+        ];
+        let scalars = kinds
+            .iter()
+            .flat_map(|(kind, of)| channel_names::names(model, *kind, of));
+        let mut scalars = scalars;
+        let scalar = scalars.find(|name| table.sensor_channel("", name).is_none());
         let found = absent
             .next()
             .map(|kind| kind.columns().join(" "))
             .or(scalar);
         found.map_or(Ok(()), |name| {
             let advice = format!(
-                "map its column in [telemetry.columns] (unused: {})",
+                "map its column in [telemetry.columns], or say of a joint where it is locked (unused: {})",
                 table.ignored.join(", ")
             );
             Err(missing(
@@ -187,26 +199,36 @@ impl OnBoard {
             return Vec::new();
         };
         let (attitude, position) = (of(SensorKind::Attitude), of(SensorKind::Position));
-        let scalars = |kind, count: usize| -> Vec<Option<&Channel>> {
-            let all: Vec<usize> = (0..count).collect();
-            let names = channel_names::names(model, kind, &all).into_iter();
+        let scalars = |kind, of: &[usize]| -> Vec<Option<&Channel>> {
+            let names = channel_names::names(model, kind, of).into_iter();
             names.map(|name| table.sensor_channel("", &name)).collect()
         };
-        let wheels = scalars(SensorKind::WheelSpeed, model.wheels.len()).into_iter();
-        let speeds: Vec<Vec<Option<f64>>> = wheels
-            .map(|c| c.map_or_else(Vec::new, |c| resample(c, times, None)))
-            .collect();
-        let thrust = scalars(SensorKind::Thrust, model.thrusters.len());
+        let all = |count| (0..count).collect::<Vec<usize>>();
+        let at_times = |kind, of: &[usize]| -> Vec<Vec<Option<f64>>> {
+            let channels = scalars(kind, of).into_iter();
+            channels
+                .map(|c| c.map_or_else(Vec::new, |c| resample(c, times, None)))
+                .collect()
+        };
+        let speeds = at_times(SensorKind::WheelSpeed, &all(model.wheels.len()));
+        let positions = at_times(SensorKind::JointPosition, &self.moving);
+        let rates = at_times(SensorKind::JointRate, &self.moving);
+        let thrust = scalars(SensorKind::Thrust, &all(model.thrusters.len()));
         let kinematics = Kinematics::new(&Tree::new(model));
         let at = |(k, time): (usize, &f64)| {
             let mut sample = Sample::at(*time);
             sample.gyro = gyro.as_ref().and_then(|axes| vector(axes, *time));
             sample.attitude = attitude.as_ref().and_then(|parts| vector(parts, *time));
             sample.position = position.as_ref().and_then(|axes| vector(axes, *time));
-            for (speed, of_wheel) in sample.wheel_speed.iter_mut().zip(&speeds) {
-                // The filter refuses a sample without a speed.
-                *speed = of_wheel.get(k).copied().flatten().unwrap_or(f64::NAN);
-            }
+            // The filter refuses a sample without one of them.
+            let set = |places: &mut [f64], of: &[Vec<Option<f64>>]| {
+                for (place, values) in places.iter_mut().zip(of) {
+                    *place = values.get(k).copied().flatten().unwrap_or(f64::NAN);
+                }
+            };
+            set(&mut sample.wheel_speed, &speeds);
+            set(&mut sample.joint_position, &positions);
+            set(&mut sample.joint_rate, &rates);
             let levels = thrust.iter().map(|c| c.map_or(0.0, |c| held(c, *time)));
             let levels: Vec<f64> = levels.collect();
             let (force, torque) = thrust_wrench(&self.nozzles, &kinematics, &levels);
@@ -217,8 +239,8 @@ impl OnBoard {
     }
 }
 
-/// The only body with unknown numbers, the base.
-fn unknown_body(model: &Model) -> Result<&Body, Error> {
+/// The only body with unknown numbers.
+fn unknown_body(model: &Model) -> Result<usize, Error> {
     let mut unknown = model
         .bodies
         .iter()
@@ -235,14 +257,10 @@ fn unknown_body(model: &Model) -> Result<&Body, Error> {
         _ if model.environment.gravity_gradient => Err(refuse(
             "the on-board filter has no gravity gradient".to_owned(),
         )),
-        (Some((0, body)), None) => Ok(body),
-        (Some((_, body)), None) => Err(refuse(format!(
-            "the on-board filter estimates the base, not body '{}'",
-            body.name
-        ))),
+        (Some((body, _)), None) => Ok(body),
         (None, _) => Err(unsupported(
             "no number of the model is unknown",
-            "mark the base with estimate = true",
+            "mark a body with estimate = true",
         )),
         (Some(_), Some(_)) => Err(refuse(
             "the on-board filter estimates one body, and several are unknown".to_owned(),
@@ -250,10 +268,27 @@ fn unknown_body(model: &Model) -> Result<&Body, Error> {
     }
 }
 
+/// The sensor of a kind that the filter takes.
+fn on_base(model: &Model, kind: SensorKind) -> Option<&Sensor> {
+    model.sensors_of(kind).find(|s| s.body == 0)
+}
+
+/// A line for each sensor that the filter does not take.
+fn unused(model: &Model) -> impl Iterator<Item = String> {
+    let used = |s: &Sensor| match s.kind {
+        SensorKind::Gyro | SensorKind::Attitude | SensorKind::Position => {
+            on_base(model, s.kind).is_some_and(|first| first.name == s.name)
+        }
+        kind => kind.is_scalar(),
+    };
+    let unused = model.sensors.iter().filter(move |s| !used(s));
+    unused.map(|s| format!("not used: sensor \"{}\"", s.name))
+}
+
 /// Declared noise of the sensors that the filter takes, isotropic.
 fn noise(model: &Model) -> Result<Noise, Error> {
     let sigma = |kind| {
-        let sensor = model.sensors_of(kind).find(|s| s.body == 0)?;
+        let sensor = on_base(model, kind)?;
         let covariance = sensor.noise_covariance?;
         Some((covariance.trace() / 3.0 + sensor.quantisation.powi(2) / 12.0).sqrt())
     };
@@ -288,17 +323,6 @@ fn noise(model: &Model) -> Result<Noise, Error> {
         bias_walk: walk.map_or(0.0, |c| (c.trace() / 3.0).sqrt()),
         // The white torque of the same power at low frequencies.
         torque_walk: random.map_or(0.0, |r| r.sigma_N_m * (2.0 * r.correlation_s).sqrt()),
-    })
-}
-
-fn wheel_noise(model: &Model, wheel: usize) -> f64 {
-    let mut of_wheel = model
-        .sensors_of(SensorKind::WheelSpeed)
-        .filter(|s| s.of.contains(&wheel));
-    let sensor = of_wheel.next();
-    sensor.map_or(0.0, |s| {
-        let variance = s.noise_covariance.map_or(0.0, |c| c[(0, 0)]);
-        (variance + s.quantisation.powi(2) / 12.0).sqrt()
     })
 }
 
@@ -412,9 +436,13 @@ fn check(configuration: &Configuration) -> Result<(), Error> {
     use poinsot_onboard::Invalid;
     let (problem, advice) = match configuration.check(usize::MAX) {
         Ok(()) => return Ok(()),
-        Err(Invalid::Count) => (format!("more than {WHEELS} wheels"), "leave some out"),
+        Err(Invalid::Count) => (
+            format!("more than {WHEELS} wheels, or more than {JOINTS} joints that move"),
+            "leave some out, or declare where joints are locked",
+        ),
         Err(Invalid::NeedsPosition) => (
-            "mass or mass centre is unknown, but no position is measured".to_owned(),
+            "mass or mass centre is unknown, but no position is measured and no joint moves"
+                .to_owned(),
             "add a position sensor, or mark the inertia alone as unknown",
         ),
         Err(Invalid::Unphysical) => (
@@ -430,8 +458,7 @@ fn check(configuration: &Configuration) -> Result<(), Error> {
 }
 
 fn channels<'t>(model: &Model, table: &'t Table, kind: SensorKind) -> Option<Vec<&'t Channel>> {
-    let own = model.sensors_of(kind).find(|s| s.body == 0);
-    let name = own.map_or("", |s| s.name.as_str());
+    let name = on_base(model, kind).map_or("", |s| s.name.as_str());
     let find = |column: &&'static str| {
         let named = table.sensor_channel(name, column);
         named.or_else(|| table.sensor_channel("", column))

@@ -96,6 +96,56 @@ fn xval_follow_ends_where_identify_does() {
     }
 }
 
+/// The model of the branched arm without its sensor of velocity; one body is unknown, its nominal mass a tenth off.
+fn branched_arm(unknown: &str) -> String {
+    let text = std::fs::read_to_string(shipped().join("branched_arm_truth.toml")).unwrap();
+    let text = text.replace("estimate = true\n", "");
+    let mut tables: Vec<String> = text.split("\n[[").map(str::to_owned).collect();
+    tables.retain(|table| !table.contains("type = \"velocity\""));
+    let own = format!("body]]\nname = \"{unknown}\"\nmass_kg = ");
+    let body = tables
+        .iter_mut()
+        .find(|table| table.starts_with(&own))
+        .unwrap();
+    let (mass, rest) = body[own.len()..].split_once('\n').unwrap();
+    let mass = 1.1 * mass.parse::<f64>().unwrap();
+    *body = format!("{own}{mass}\n{rest}estimate = true\n");
+    tables.join("\n[[")
+}
+
+/// Each body of a tree with joints that turn and slide, unknown in turn: base, links in between and at an end.
+#[test]
+fn xval_follow_knows_any_body_of_an_arm_as_identify_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = shipped().join("branched_arm.toml");
+    done(
+        poinsot(folder.path())
+            .arg("simulate")
+            .arg(&case)
+            .args(["--out", "sim"]),
+    );
+    for body in ["base", "upper", "boom", "mast"] {
+        std::fs::write(folder.path().join("model.toml"), branched_arm(body)).unwrap();
+        let files = ["model.toml", "sim/telemetry.csv", "--out", body];
+        let found = done(poinsot(folder.path()).arg("follow").args(files));
+        let found = lines(&found);
+        let last = &found[found.len() - 1];
+        let estimate = read(&folder.path().join(body).join("estimate.json"));
+        assert_eq!(last["health"], "determined");
+        for element in ["xx", "yy", "zz", "xy", "xz", "yz"] {
+            let number = &estimate["bodies"][body]["inertia_kg_m2"][element];
+            let own = &last["numbers"][format!("{body}.inertia_kg_m2.{element}")];
+            let of = |number: &Value, key: &str| number[key].as_f64().unwrap();
+            let ratio = of(own, "sigma") / of(number, "sigma");
+            let off = (of(own, "value") - of(number, "value")) / of(number, "sigma");
+            println!(
+                "{body} {element}: {off:.3} sigma from identify, sigma {ratio:.4} of its sigma"
+            );
+            assert!(off.abs() < 0.1 && (0.98..1.02).contains(&ratio));
+        }
+    }
+}
+
 /// Rows that arrive in pieces of any size give the lines of the file.
 #[test]
 fn exact_pieces_of_a_stream_give_the_last_line_of_the_file() {
