@@ -107,14 +107,14 @@ def _length(columns: Columns) -> int:
 class Filter:
     """The recursive filter of flight software on rows as they arrive, as ``poinsot follow`` runs it.
 
-    It estimates the base of a vehicle whose joints do not move, from a gyro and an attitude with declared noise, wheel
-    speeds, thrust and, for mass and mass centre, a position. The first 300 rows are collected; then numbers come with every
-    row. :func:`poinsot.identify` on the whole record is the reference.
+    It estimates one body of a vehicle from a gyro and an attitude with declared noise, wheel speeds, positions and rates of
+    joints, and thrust. Mass and mass centre show where joints move, or where thrusters fire and a position is measured. The
+    first 300 rows are collected; then numbers come with every row. :func:`poinsot.identify` on the whole record is the reference.
 
     Parameters
     ----------
     vehicle
-        The vehicle, or its model file. Its base is the one body with unknown numbers; their prior is that of ``[body.prior]``.
+        The vehicle, or its model file. One body has unknown numbers; their prior is that of ``[body.prior]``.
     map
         Map or model file with the ``[telemetry]`` table to use.
 
