@@ -1,6 +1,6 @@
 //! Checks of a configuration.
 
-use crate::configuration::{AXES, Configuration, HELD_BACK, JOINTS, Joint, WHEELS, Wheel};
+use crate::configuration::{AXES, Configuration, HELD_BACK, JOINTS, WHEELS, Wheel};
 use crate::layout::required_capacity;
 
 /// Why a configuration is refused.
@@ -31,28 +31,8 @@ impl Configuration {
     /// The first condition that fails.
     pub fn check(&self, capacity: usize) -> Result<(), Invalid> {
         let noise = &self.noise;
-        let levels = [
-            noise.gyro,
-            noise.attitude,
-            noise.position,
-            noise.bias,
-            noise.bias_walk,
-            noise.torque_walk,
-            self.longest_gap_s,
-            self.stale_s,
-        ];
-        let wheels = self.wheels.iter();
-        let of_wheels = wheels.flat_map(|w| w.axis_B.into_iter().chain([w.spin_inertia, w.noise]));
-        let of_joints = self.joints.iter().flat_map(Joint::numbers);
-        let unknown = self.unknown_rotation.iter().chain(&self.unknown_position);
-        let all = self.known.iter().chain(&self.nominal).chain(&levels);
-        let all = all.chain(unknown);
-        let mut all = all
-            .chain(self.prior.as_flattened())
-            .copied()
-            .chain(of_wheels)
-            .chain(of_joints);
-        if !all.all(f64::is_finite) {
+        let mut copy = *self;
+        if !copy.numbers().all(|x| x.is_finite()) {
             return Err(Invalid::NotFinite);
         }
         let counts = [
@@ -65,17 +45,14 @@ impl Configuration {
         if counts.iter().any(|(n, most)| n > most) || joints.any(|(k, j)| j.parent > k) {
             return Err(Invalid::Count);
         }
-        let wheels_valid = self.wheels().iter();
-        let wheels_valid = wheels_valid
-            .clone()
-            .all(|w| w.spin_inertia >= 0.0 && w.noise >= 0.0);
+        let of_wheels = self.wheels().iter().flat_map(|w| [w.spin_inertia, w.noise]);
+        let of_joints = self.joints().iter();
+        let of_joints = of_joints.flat_map(|j| [j.position_noise, j.rate_noise]);
         let positive = [noise.gyro, noise.attitude, self.longest_gap_s, self.stale_s];
-        let valid = levels.iter().all(|x| *x >= 0.0) && positive.iter().all(|x| *x > 0.0);
-        let joints_valid = self.joints().iter();
-        let joints_valid = joints_valid
-            .clone()
-            .all(|j| j.position_noise >= 0.0 && j.rate_noise >= 0.0);
-        if !valid || !wheels_valid || !joints_valid {
+        let limits = [self.longest_gap_s, self.stale_s];
+        let levels = copy.noise.numbers().map(|x| *x).into_iter().chain(limits);
+        let mut all = levels.chain(of_wheels).chain(of_joints);
+        if !all.all(|x| x >= 0.0) || positive.contains(&0.0) {
             return Err(Invalid::Noise);
         }
         let long = |x: &[f64]| (x.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1.0e-6;

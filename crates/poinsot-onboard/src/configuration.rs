@@ -42,6 +42,13 @@ pub struct Wheel {
     pub noise: f64,
 }
 
+impl Wheel {
+    fn numbers(&mut self) -> impl Iterator<Item = &mut f64> {
+        let last = [&mut self.spin_inertia, &mut self.noise];
+        self.axis_B.iter_mut().chain(last)
+    }
+}
+
 /// A joint, and what is known of the link that it moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Joint {
@@ -64,11 +71,28 @@ pub struct Joint {
 }
 
 impl Joint {
-    /// All numbers of it, in the order of the table.
-    pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> {
-        let place = self.rotation.into_iter().chain(self.position);
-        let place = place.chain(self.axis).chain(self.known);
-        place.chain([self.position_noise, self.rate_noise])
+    fn numbers(&mut self) -> impl Iterator<Item = &mut f64> {
+        let place = self.rotation.iter_mut().chain(&mut self.position);
+        let last = [&mut self.position_noise, &mut self.rate_noise];
+        place
+            .chain(&mut self.axis)
+            .chain(&mut self.known)
+            .chain(last)
+    }
+}
+
+impl Noise {
+    /// In the order of its fields.
+    pub(crate) fn numbers(&mut self) -> [&mut f64; 6] {
+        let Self {
+            gyro,
+            attitude,
+            position,
+            bias,
+            bias_walk,
+            torque_walk,
+        } = self;
+        [gyro, attitude, position, bias, bias_walk, torque_walk]
     }
 }
 
@@ -198,6 +222,18 @@ impl Configuration {
         }
         self.joint_count += 1;
         self
+    }
+
+    /// Every number, in the order of the table.
+    pub(crate) fn numbers(&mut self) -> impl Iterator<Item = &mut f64> {
+        let body = self.known.iter_mut().chain(&mut self.nominal);
+        let body = body.chain(self.prior.as_flattened_mut());
+        body.chain(self.wheels.iter_mut().flat_map(Wheel::numbers))
+            .chain(self.noise.numbers())
+            .chain([&mut self.longest_gap_s, &mut self.stale_s])
+            .chain(&mut self.unknown_rotation)
+            .chain(&mut self.unknown_position)
+            .chain(self.joints.iter_mut().flat_map(Joint::numbers))
     }
 
     /// Whether the position is measured.
