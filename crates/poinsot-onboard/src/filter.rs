@@ -1,7 +1,7 @@
 //! Time and measurement updates.
 
 use crate::check::Invalid;
-use crate::configuration::{AXES, Configuration, INPUTS, PARAMETERS, of_rate};
+use crate::configuration::{AXES, Configuration, INPUTS, ITERATIONS, PARAMETERS, of_rate};
 use crate::health::{Checkpoints, SENSORS, SensorCounts, Tests};
 use crate::information::{OfParameters, Rows, back_substitute, copy_triangle, eliminate};
 use crate::layout::{Layout, noises};
@@ -14,9 +14,9 @@ use crate::sample::Sample;
 use crate::stream::{Stream, Window};
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField;
-use nalgebra::{SMatrix, UnitQuaternion};
+use nalgebra::{SMatrix, SVector, SymmetricEigen, UnitQuaternion};
 use poinsot_dynamics::propagation::{BaseMotion, PoseMomentum, STATE};
-use poinsot_spatial::{Matrix3, Vector3, Vector6};
+use poinsot_spatial::{Matrix3, Vector3, Vector6, elements};
 
 /// Squared normalised innovation of three numbers beyond which a measurement is not used: a false alarm of 3e-7.
 pub(crate) const GATE: f64 = 33.0;
@@ -29,6 +29,10 @@ const STARTS: u32 = 5;
 /// Components of momentum in the kernels' state.
 const LINEAR: usize = 6;
 const ANGULAR: usize = 9;
+/// Share of the largest square of a combination below which it is round-off.
+const ROUND_OFF: f64 = 1.0e-12;
+
+type TenByTen = SMatrix<f64, PARAMETERS, PARAMETERS>;
 
 /// The motion that is followed.
 #[derive(Debug, Clone, Copy)]
@@ -101,10 +105,23 @@ struct Measurement<const N: usize> {
 
 /// The motion in hand with what its measurements depend on.
 pub(crate) struct Here {
+    /// Angular velocity at the inputs in hand.
+    rate: Vector3,
+    /// That at which columns are taken.
     pub motion: BaseMotion,
     pub posture: Posture,
     R: Matrix3,
     slopes: [ParameterSlope; PARAMETERS],
+}
+
+impl Here {
+    /// What each parameter does to linear and angular momentum in N, pose and rates held.
+    fn momentum_slopes(&self) -> [Vector6; PARAMETERS] {
+        self.slopes.map(|slope| {
+            let (l, h) = halves(&slope.momentum);
+            stacked(&(self.R * l), &(self.R * h))
+        })
+    }
 }
 
 impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
@@ -266,6 +283,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             torque_B: sample.torque_B.into(),
             age: 0,
         });
+        self.shown.watch(&self.configuration, &inputs);
         self.before_start = self.of_parameters();
         let layout = self.layout;
         self.rows[..layout.theta()].fill([0.0; N]);
@@ -315,6 +333,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             torque_B: running.torque_B,
             dt: sample.time_s - running.time_s,
         };
+        self.shown.watch(&self.configuration, &inputs);
         let mut columns = Columns::new();
         let linear = Some((&mut columns, &self.shown));
         running.state = self.moving().follow(&running.state, &interval, linear)?;
@@ -442,10 +461,13 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             configuration: &self.configuration,
             body: &self.body,
         };
-        let (posture, locked) = moving.locked(&running.inputs, &Acting::zeros())?;
+        let (_, locked) = moving.locked(&running.inputs, &Acting::zeros())?;
+        running.rate = locked.base_motion(&running.state).twist.w;
+        let calm = self.shown.calm(&running.inputs);
+        let (posture, locked) = moving.locked(&calm, &Acting::zeros())?;
         let motion = locked.base_motion(&running.state);
-        running.rate = motion.twist.w;
         Some(Here {
+            rate: running.rate,
             R: running.state.R_NB.to_rotation_matrix().into_inner(),
             slopes: parameter_slopes((&posture, &motion), &self.shown),
             motion,
@@ -569,7 +591,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let running = self.running?;
         let (layout, motion) = (self.layout, &here.motion);
         let noise = self.configuration.noise.gyro;
-        let residual = measured - motion.twist.w - running.bias;
+        let residual = measured - here.rate - running.bias;
         let mut out = self.rows_of(0, &residual, noise);
         let over_state = motion.twist_rows(&running.state).matrix();
         let inputs = input_twists(&self.configuration, (&here.posture, motion));
@@ -672,7 +694,8 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     fn shift(&mut self, change: &[f64; N], body: [f64; PARAMETERS]) -> Option<()> {
         // An error of an input is white: what is known of the momentum does not follow it.
         self.move_inputs(change)?;
-        let before = self.momentum_slopes()?;
+        let here = self.here()?;
+        let before = here.momentum_slopes();
         let layout = self.layout;
         let running = self.running.as_mut()?;
         let mut state = StateVector::zeros();
@@ -691,9 +714,15 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         }
         let moved: [f64; PARAMETERS] = core::array::from_fn(|k| body[k] - self.body[k]);
         self.body = body;
-        self.look()?;
-        let after = self.momentum_slopes()?;
-        let scales = self.scales()?;
+        let there = self.here()?;
+        let seen = (&there.posture, &there.motion);
+        self.shown.add(&self.configuration, seen);
+        let after = there.momentum_slopes();
+        let stays = moved == [0.0; PARAMETERS];
+        let carried = match stays {
+            true => TenByTen::zeros(),
+            false => self.carried(&moved, &here, &there)?,
+        };
         let theta = layout.theta();
         for row in &mut self.rows[..layout.columns()] {
             let mut over = StateVector::zeros();
@@ -701,17 +730,16 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
                 over[*component] = row[layout.pose() + k];
             }
             let over = over.fixed_rows::<6>(LINEAR).into_owned();
-            let mut by_scale = [0.0; 2];
+            let mut with_rate = SVector::<f64, PARAMETERS>::zeros();
             for (j, &k) in layout.unknown().iter().enumerate() {
-                let with_rate = row[theta + j] + over.dot(&before[k]);
-                by_scale[usize::from(k > AXES)] += with_rate * moved[k];
-                row[theta + j] -= over.dot(&(after[k] - before[k]));
+                with_rate[k] = row[theta + j] + over.dot(&before[k]);
             }
+            let change = carried.tr_mul(&with_rate);
             for (j, &k) in layout.unknown().iter().enumerate() {
-                row[theta + j] -= by_scale[usize::from(k > AXES)] * scales[k];
+                row[theta + j] += change[k] - over.dot(&(after[k] - before[k]));
             }
         }
-        if moved == [0.0; PARAMETERS] {
+        if stays {
             return Some(());
         }
         // The parameters' own rows are no triangle any more.
@@ -722,33 +750,37 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         Some(())
     }
 
-    /// Takes the velocity in hand as shown.
-    fn look(&mut self) -> Option<()> {
-        let here = self.here()?;
-        self.shown
-            .add(&self.configuration, (&here.posture, &here.motion));
-        Some(())
-    }
-
-    /// What each parameter does to linear and angular momentum in N, pose and rates held.
-    fn momentum_slopes(&mut self) -> Option<[Vector6; PARAMETERS]> {
-        let here = self.here()?;
-        Some(here.slopes.map(|slope| {
-            let (l, h) = halves(&slope.momentum);
-            stacked(&(here.R * l), &(here.R * h))
-        }))
-    }
-
-    /// What a common factor of the inertia changes by per unit of each element, and, where the position is measured, one of mass and
-    /// first moments by per kilogram.
-    fn scales(&mut self) -> Option<[f64; PARAMETERS]> {
-        let mut out = [0.0; PARAMETERS];
-        if self.configuration.unknown[0] && self.configuration.translates() {
-            out[0] = 1.0 / self.body[0];
+    /// What becomes of rows over rates and parameters where the parameters move, less the rows themselves.
+    ///
+    /// In free rotation the parameters show in the inertia about the mass centre alone, of which they are no linear function, and a common
+    /// factor of it does not show. Rows that follow from such an inertia follow from the new one. Where the position is measured, so
+    /// that all parameters show, common factors of inertia and of mass and first moments stay as they are.
+    fn carried(&self, moved: &[f64; PARAMETERS], here: &Here, there: &Here) -> Option<TenByTen> {
+        let I = &there.motion.centre.I_SScm_B;
+        let R = &there.posture.unknown.R;
+        if self.configuration.translates() {
+            let mut scales = [0.0; PARAMETERS];
+            scales[0] = 1.0 / self.body[0];
+            scales[AXES + 1..].copy_from_slice(&self.shown.shares(I, R));
+            return Some(TenByTen::from_fn(|k, l| match (k > AXES) == (l > AXES) {
+                true => -moved[k] * scales[l],
+                false => 0.0,
+            }));
         }
-        let here = self.here()?;
-        let (I, R) = (&here.motion.centre.I_SScm_B, &here.posture.unknown.R);
-        out[AXES + 1..].copy_from_slice(&self.shown.shares(I, R));
-        Some(out)
+        let [old, new] = [here, there].map(|at| at.posture.inertia_slopes(&at.motion));
+        let sigma = SVector::<f64, PARAMETERS>::from(self.prior_sigma);
+        let scaled = old * TenByTen::from_diagonal(&sigma);
+        let eigen = SymmetricEigen::try_new(scaled * scaled.transpose(), f64::EPSILON, ITERATIONS)?;
+        let smallest = ROUND_OFF * eigen.eigenvalues.max();
+        let inverse = eigen
+            .eigenvalues
+            .map(|x| if x > smallest { 1.0 / x } else { 0.0 });
+        let inverse = eigen.eigenvectors
+            * SMatrix::<f64, 6, 6>::from_diagonal(&inverse)
+            * eigen.eigenvectors.transpose();
+        let back = TenByTen::from_diagonal(&sigma) * scaled.transpose() * inverse;
+        let by = Vector6::from(elements(&(I - here.motion.centre.I_SScm_B)));
+        let shares = Vector6::from(self.shown.shares(I, &Matrix3::identity()));
+        Some(back * (new - old - by * (shares.transpose() * new)))
     }
 }

@@ -1,7 +1,7 @@
 //! The motion over one interval between samples, with the columns of the linearised equations.
 
 use crate::configuration::{
-    AXES, Configuration, INPUTS, ITERATIONS, PARAMETERS, WHEELS, of_joint, of_rate,
+    AXES, Configuration, INPUTS, ITERATIONS, JOINTS, PARAMETERS, WHEELS, of_joint, of_rate,
 };
 use crate::posture::{Posture, halves, momentum, stacked};
 use crate::sample::Sample;
@@ -24,6 +24,9 @@ const MEMORY: f64 = 1000.0;
 const JITTER: f64 = 4.0;
 /// Sum of squares of a velocity that may be the error of the estimate at its beginning, in the variance of gyro and bias.
 const STARTING: f64 = 40.0;
+/// Factor on the noise of an encoder beyond which a joint moves, and samples for which it then counts as moving.
+const SEEN: f64 = 6.0;
+const MOVES: u32 = 32;
 /// Factor on the noise that a direction must exceed to be added: then it is accurate.
 const ADDED: f64 = 25.0;
 
@@ -129,6 +132,10 @@ pub struct Excitation {
     projector: Matrix3,
     /// Whether directions may be added.
     pub grows: bool,
+    /// Where each joint stands while it does not move, and for how many samples it still counts as moving.
+    anchors: [f64; JOINTS],
+    moving: [u32; JOINTS],
+    watched: bool,
 }
 
 impl Excitation {
@@ -138,6 +145,9 @@ impl Excitation {
         samples: 0.0,
         projector: Matrix3::from_array_storage(ArrayStorage([[0.0; AXES]; AXES])),
         grows: false,
+        anchors: [0.0; JOINTS],
+        moving: [0; JOINTS],
+        watched: false,
     };
 
     /// All directions, until [`Self::settle`].
@@ -151,6 +161,35 @@ impl Excitation {
     /// Begins to collect anew; the directions stay.
     pub fn begin(&mut self) {
         (self.scatter, self.samples) = (Matrix3::zeros(), 0.0);
+    }
+
+    /// Sees which joints move in a sample.
+    pub fn watch(&mut self, configuration: &Configuration, inputs: &[f64; INPUTS]) {
+        for (j, joint) in configuration.joints().iter().enumerate() {
+            let (position, rate) = (inputs[of_joint(j)], inputs[of_rate(j)]);
+            if !self.watched {
+                self.anchors[j] = position;
+            }
+            let off = (position - self.anchors[j]).abs() > SEEN * joint.position_noise;
+            if off {
+                self.anchors[j] = position;
+            }
+            self.moving[j] = match off || rate.abs() > SEEN * joint.rate_noise {
+                true => MOVES,
+                false => self.moving[j].saturating_sub(1),
+            };
+        }
+        self.watched = true;
+    }
+
+    /// Inputs at which columns are taken: noise of a joint that stands would turn them from sample to sample, and so find
+    /// information that its position does not show.
+    pub fn calm(&self, inputs: &[f64; INPUTS]) -> [f64; INPUTS] {
+        let mut out = *inputs;
+        for j in (0..JOINTS).filter(|j| self.moving[*j] == 0) {
+            (out[of_joint(j)], out[of_rate(j)]) = (self.anchors[j], 0.0);
+        }
+        out
     }
 
     /// Takes the directions from what was collected.
@@ -478,23 +517,29 @@ impl Moving<'_> {
         (shares, dt): ([f64; 3], f64),
         linear: &mut Option<(&mut Columns, &Excitation)>,
     ) -> Option<PoseMomentum> {
-        let [a, b, c] =
-            shares.map(|share| self.locked(&interval.inputs_at(share), &interval.beyond(share)));
-        let (postures, locked): ([Posture; 3], _) = {
-            let ((a, of_a), (b, of_b), (c, of_c)) = (a?, b?, c?);
-            ([a, b, c], &[of_a, of_b, of_c])
+        let locked = |share: f64| {
+            let locked = self.locked(&interval.inputs_at(share), &interval.beyond(share));
+            Some(locked?.1)
         };
+        let [begin, half, full] = shares;
+        let locked = &[locked(begin)?, locked(half)?, locked(full)?];
         let mut over = OverStep { locked, interval };
         let rate = over.rate(StepPoint::Begin, state)?;
         let end = runge_kutta_step(state, &rate, dt, &mut over)?;
         if let Some((columns, shown)) = linear {
             let last = over.rate(StepPoint::End, &end)?;
             let middle = state_in_middle((state, &rate), (&end, &last), dt);
-            let states = [state, &middle, &end];
-            let points = [0, 1, 2].map(|k| {
-                let motion = locked[k].base_motion(states[k]);
-                self.point((&postures[k], &motion), states[k], interval, shown)
-            });
+            let point = |share: f64, state: &PoseMomentum| {
+                let inputs = shown.calm(&interval.inputs_at(share));
+                let (posture, locked) = self.locked(&inputs, &interval.beyond(share))?;
+                let motion = locked.base_motion(state);
+                Some(self.point((&posture, &motion), state, interval, shown))
+            };
+            let points = [
+                point(begin, state)?,
+                point(half, &middle)?,
+                point(full, &end)?,
+            ];
             self.carry(&points, (shares, interval), dt, columns);
         }
         Some(end)

@@ -4,9 +4,12 @@
 
 use crate::configuration::{AXES, Configuration, INPUTS, JOINTS, Joint, PARAMETERS};
 use crate::configuration::{of_joint, of_rate};
+use nalgebra::SMatrix;
 use poinsot_dynamics::Composite;
 use poinsot_dynamics::propagation::{BaseMotion, LockedVehicle};
-use poinsot_spatial::{InertialParameters, Matrix3, Rotation3, UnitQuaternion, Vector3, Vector6};
+use poinsot_spatial::{
+    InertialParameters, Matrix3, Rotation3, UnitQuaternion, Vector3, Vector6, elements, tensor,
+};
 
 /// Position of a frame.
 #[derive(Debug, Clone, Copy)]
@@ -162,6 +165,27 @@ impl Posture {
             I_SBo_B: self.whole.I_BBo_B,
         };
         LockedVehicle::new(&composite, &composite, &(self.momentum + more))
+    }
+
+    /// Elements of the inertia about the mass centre over the parameters of the unknown body.
+    pub fn inertia_slopes(&self, motion: &BaseMotion) -> SMatrix<f64, 6, PARAMETERS> {
+        let (R, d) = (&self.unknown.R, self.unknown.p - motion.centre.p_BoScm_B);
+        let columns: [Vector6; PARAMETERS] = core::array::from_fn(|k| {
+            let slope = match k {
+                0 => Matrix3::identity() * d.norm_squared() - d * d.transpose(),
+                1..=AXES => {
+                    let a = R.column(k - 1);
+                    let both = d * a.transpose();
+                    Matrix3::identity() * (2.0 * d.dot(&a)) - both - both.transpose()
+                }
+                _ => {
+                    let unit = core::array::from_fn(|i| f64::from(u8::from(i + AXES + 1 == k)));
+                    R * tensor(unit) * R.transpose()
+                }
+            };
+            elements(&slope).into()
+        });
+        SMatrix::<f64, 6, PARAMETERS>::from_columns(&columns)
     }
 
     /// Change of the base's twist with the rate of a joint.

@@ -87,3 +87,34 @@ fn stat_inertia_that_does_not_show_keeps_its_prior() {
     assert!(kept[..3].iter().all(|k| (0.99..1.01).contains(k)));
     assert!(kept[3..].iter().all(|k| *k < 1.0e-3));
 }
+
+/// An arm that stands still on a turning base: of the ten numbers of its payload the ratios of the inertia of the whole show, five
+/// directions; encoders and a point of linearisation that moves show no other.
+#[test]
+fn stat_a_payload_that_does_not_move_keeps_its_prior() {
+    let mut setup = setups::arm_with_payload();
+    for link in &mut setup.truth.arm.as_mut().unwrap().links {
+        link.curve = [link.curve[0], 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    }
+    setup.truth.start.w = nalgebra::Vector3::new(0.2, -0.1, 0.15);
+    setup.truth.samples = 5_000;
+    let motions = setup.truth.motions(&setup.configuration);
+    let mut noise = Noise::new(5);
+    let told = &setup.configuration;
+    let stream = samples(&setup.truth, told, &motions, Some(&mut noise));
+    let mut filter = setup.filter(&mut noise);
+    for sample in &stream {
+        filter.push(sample).unwrap();
+        assert_ne!(filter.answer(sample.time_s).health, Health::Inconsistent);
+    }
+    let answer = filter.answer(0.0);
+    assert_eq!(answer.health, Health::Converging);
+    let C = nalgebra::DMatrix::from_fn(10, 10, |i, j| {
+        answer.covariance[i][j] / (setup.sigma[i] * setup.sigma[j])
+    });
+    let eigen = C.symmetric_eigen().eigenvalues;
+    let mut kept: Vec<f64> = eigen.iter().map(|x| x.sqrt()).collect();
+    kept.sort_by(f64::total_cmp);
+    println!("principal directions: {kept:.5?} of the prior");
+    assert!(kept[4] < 1.0e-3 && kept[5..].iter().all(|k| (0.99..1.01).contains(k)));
+}

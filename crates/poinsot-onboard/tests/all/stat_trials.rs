@@ -128,7 +128,7 @@ fn xval_sigma_is_that_of_one_least_squares_problem() {
     for setup in setups::all() {
         let motions = setup.truth.motions(&setup.configuration);
         // Two errors of each joint and sample are unknown: a shorter record, beyond the first window.
-        let count = setup.truth.samples / if setup.truth.arm.is_some() { 5 } else { 2 };
+        let count = setup.truth.samples / if setup.truth.arm.is_some() { 4 } else { 2 };
         let bound = dense::bound(&setup, &motions, count);
         for seed in 0..3 {
             let (answers, _) = run(&setup, seed);
