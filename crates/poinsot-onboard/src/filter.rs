@@ -78,6 +78,8 @@ pub struct Filter<const N: usize, const WINDOW: usize> {
     pub(crate) body: [f64; PARAMETERS],
     pub(crate) rows: Rows<N>,
     work: Rows<N>,
+    /// Of the last interval.
+    columns: Columns,
     pub(crate) gate: f64,
     /// Share of the prior that the motion is loosened by, see [`Self::momentum_noise`].
     pub(crate) looseness: f64,
@@ -133,6 +135,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         body: [0.0; PARAMETERS],
         rows: [[0.0; N]; N],
         work: [[0.0; N]; N],
+        columns: Columns::NONE,
         gate: 0.0,
         looseness: 0.0,
         shown: Excitation::NONE,
@@ -246,11 +249,15 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         self.running = None;
     }
 
-    fn moving(&self) -> Moving<'_> {
-        Moving {
+    /// Follows a motion over an interval, and its columns.
+    fn follow(&mut self, from: &PoseMomentum, interval: &Interval) -> Option<PoseMomentum> {
+        let moving = Moving {
             configuration: &self.configuration,
             body: &self.body,
-        }
+        };
+        self.columns.begin();
+        let linear = Some((&mut self.columns, &self.shown));
+        moving.follow(from, interval, linear)
     }
 
     /// Begins to follow a motion at a sample that has all that it takes.
@@ -334,25 +341,23 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             dt: sample.time_s - running.time_s,
         };
         self.shown.watch(&self.configuration, &inputs);
-        let mut columns = Columns::new();
-        let linear = Some((&mut columns, &self.shown));
-        running.state = self.moving().follow(&running.state, &interval, linear)?;
+        running.state = self.follow(&running.state, &interval)?;
         running.time_s = sample.time_s;
         (running.read, running.inputs) = (inputs, inputs);
         running.force_B = sample.force_B.into();
         running.torque_B = sample.torque_B.into();
         running.age = running.age.saturating_add(1);
         self.running = Some(running);
-        self.update_time(&columns, &interval)?;
+        self.update_time(&interval)?;
         Some(Step {
             from,
             interval,
-            parameters: columns.parameters,
+            parameters: self.columns.parameters,
         })
     }
 
     /// The triangle over the state at the end of an interval: the old state is replaced, the noises that entered are eliminated.
-    fn update_time(&mut self, columns: &Columns, interval: &Interval) -> Option<()> {
+    fn update_time(&mut self, interval: &Interval) -> Option<()> {
         let layout = self.layout;
         let (noise, dt) = (self.configuration.noise, interval.dt);
         let inputs = layout.inputs().len();
@@ -364,9 +369,10 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let twists = input_twists(&self.configuration, (&here.posture, &here.motion));
         let twists = twists.map(|t| angular(&t));
         let (theta, width) = (layout.theta(), gone + layout.columns());
-        let back = SMatrix::<f64, STATE, STATE>::from_columns(&columns.state).try_inverse()?;
+        let back = SMatrix::<f64, STATE, STATE>::from_columns(&self.columns.state).try_inverse()?;
         let walk = dt.abs().sqrt();
         let [angular, linear] = self.momentum_noise(interval);
+        let columns = &self.columns;
         for i in 0..theta {
             let (row, out) = (&self.rows[i], &mut self.work[i]);
             let mut over = StateVector::zeros();
@@ -414,7 +420,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             out[if k < inputs { gone + k } else { k }] = 1.0;
         }
         for pivot in 0..end {
-            eliminate(&mut self.work, (pivot, pivot), pivot + 1..end, width);
+            eliminate(&mut self.work, pivot, pivot + 1..end, width);
         }
         for i in 0..theta {
             let (row, out) = (&self.work[gone + i], &mut self.rows[i]);
@@ -561,10 +567,8 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     /// Linearises the last interval about the inputs found at its end.
     fn straighten(&mut self, mut step: Step) -> Option<()> {
         step.interval.found[1] = self.running?.found();
-        let mut columns = Columns::new();
-        let linear = Some((&mut columns, &self.shown));
-        self.moving().follow(&step.from, &step.interval, linear)?;
-        let layout = self.layout;
+        self.follow(&step.from, &step.interval)?;
+        let (layout, columns) = (self.layout, &self.columns);
         for row in &mut self.rows[..layout.columns()] {
             let mut over = StateVector::zeros();
             for (k, component) in layout.state().iter().enumerate() {
@@ -618,7 +622,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         self.work[columns..columns + AXES].copy_from_slice(&measurement.rows);
         for pivot in 0..columns {
             let below = columns..columns + AXES;
-            eliminate(&mut self.work, (pivot, pivot), below, columns);
+            eliminate(&mut self.work, pivot, below, columns);
         }
         Vector3::from_fn(|axis, _| self.work[columns + axis][N - 1])
     }
@@ -745,7 +749,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         // The parameters' own rows are no triangle any more.
         let end = layout.columns();
         for pivot in theta..end {
-            eliminate(&mut self.rows, (pivot, pivot), pivot + 1..end, end);
+            eliminate(&mut self.rows, pivot, pivot + 1..end, end);
         }
         Some(())
     }
@@ -755,6 +759,8 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     /// In free rotation the parameters show in the inertia about the mass centre alone, of which they are no linear function, and a common
     /// factor of it does not show. Rows that follow from such an inertia follow from the new one. Where the position is measured, so
     /// that all parameters show, common factors of inertia and of mass and first moments stay as they are.
+    // Its matrices are not on the stack of every sample.
+    #[inline(never)]
     fn carried(&self, moved: &[f64; PARAMETERS], here: &Here, there: &Here) -> Option<TenByTen> {
         let I = &there.motion.centre.I_SScm_B;
         let R = &there.posture.unknown.R;

@@ -1,9 +1,19 @@
-//! One size of the filter, for the ground.
+//! The filter compiled in this crate, which is optimised: generic code is compiled where it is used.
 
+use crate::answer::Answer;
+use crate::check::Invalid;
+use crate::configuration::Configuration;
 use crate::filter::Filter;
+use crate::health::{SENSORS, SensorCounts};
+use crate::sample::Sample;
+use crate::stream::Refusal;
 
-/// A [`Filter`] with room for any configuration (eight wheels, seven joints, ten unknown numbers, a position and a bias that walks), and for
-/// 300 samples in its first window.
+/// Columns of eight wheels, seven joints, ten unknown numbers and a position.
+const COLUMNS: usize = 87;
+/// Samples of the first window.
+const WINDOW: usize = 300;
+
+/// A [`Filter`] with room for any configuration, and for 300 samples in its first window.
 ///
 /// ```
 /// use poinsot_onboard::{Configuration, GroundFilter, Health, Invalid, Noise, Sample};
@@ -18,4 +28,42 @@ use crate::filter::Filter;
 /// assert_eq!((filter.answer(0.1).health, filter.counts()[0].gated), (Health::Converging, 0));
 /// # Ok::<(), Invalid>(())
 /// ```
-pub type GroundFilter = Filter<87, 300>;
+#[derive(Debug, Clone)]
+pub struct GroundFilter(Filter<COLUMNS, WINDOW>);
+
+impl GroundFilter {
+    /// As [`Filter::new`].
+    ///
+    /// # Errors
+    /// As there.
+    #[inline(never)]
+    pub fn new(configuration: Configuration) -> Result<Self, Invalid> {
+        Filter::new(configuration).map(Self)
+    }
+
+    /// As [`Filter::push`].
+    ///
+    /// # Errors
+    /// As there.
+    #[inline(never)]
+    pub fn push(&mut self, sample: &Sample) -> Result<(), Refusal> {
+        self.0.push(sample)
+    }
+
+    /// As [`Filter::flush`].
+    #[inline(never)]
+    pub fn flush(&mut self) {
+        self.0.flush();
+    }
+
+    /// As [`Filter::answer`].
+    #[inline(never)]
+    pub fn answer(&self, time_s: f64) -> Answer {
+        self.0.answer(time_s)
+    }
+
+    /// As [`Filter::counts`].
+    pub fn counts(&self) -> [SensorCounts; SENSORS] {
+        self.0.counts()
+    }
+}

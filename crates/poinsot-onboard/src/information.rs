@@ -11,47 +11,42 @@ pub type Rows<const N: usize> = [[f64; N]; N];
 /// Zeroes a column below its pivot by one Householder reflection of the rows, which have `width` columns and `z`.
 pub fn eliminate<const N: usize>(
     rows: &mut Rows<N>,
-    (pivot, column): (usize, usize),
+    pivot: usize,
     below: Range<usize>,
     width: usize,
 ) {
-    let mut rest = 0.0;
-    for row in &rows[below.clone()] {
-        rest += row[column] * row[column];
-    }
-    if rest == 0.0 {
+    let (above, rest) = rows.split_at_mut(below.start);
+    let (top, rest) = (&mut above[pivot], &mut rest[..below.len()]);
+    let square: f64 = rest.iter().map(|row| row[pivot] * row[pivot]).sum();
+    if square == 0.0 {
         return;
     }
-    let places = (column + 1..width).chain([N - 1]);
-    let mut top = [0.0; N];
-    for k in places.clone() {
-        top[k] = rows[pivot][k];
-    }
-    let first = rows[pivot][column];
-    let norm = (first * first + rest).sqrt();
+    let first = top[pivot];
+    let norm = (first * first + square).sqrt();
     let signed = if first > 0.0 { -norm } else { norm };
     let lead = first - signed;
-    let scale = 1.0 / (norm * (norm + first.abs()));
-    let mut sums = top.map(|top| lead * top);
-    for row in &rows[below.clone()] {
-        let factor = row[column];
-        for k in column + 1..width {
-            sums[k] += factor * row[k];
-        }
-        sums[N - 1] += factor * row[N - 1];
+    let scale = -1.0 / (norm * (norm + first.abs()));
+    let after = pivot + 1..width;
+    let mut sums = [0.0; N];
+    add(&mut sums, top, lead, &after);
+    for row in &*rest {
+        add(&mut sums, row, row[pivot], &after);
     }
-    for k in places.clone() {
-        sums[k] *= scale;
-        rows[pivot][k] = top[k] - lead * sums[k];
+    add(top, &sums, lead * scale, &after);
+    top[pivot] = signed;
+    for row in rest {
+        let factor = core::mem::take(&mut row[pivot]);
+        add(row, &sums, factor * scale, &after);
     }
-    rows[pivot][column] = signed;
-    for row in &mut rows[below] {
-        let factor = row[column];
-        row[column] = 0.0;
-        for k in places.clone() {
-            row[k] -= factor * sums[k];
-        }
+}
+
+/// Adds so many times a row to another one, in some columns and `z`.
+fn add<const N: usize>(to: &mut [f64; N], row: &[f64; N], factor: f64, columns: &Range<usize>) {
+    let of_row = &row[columns.clone()];
+    for (to, x) in to[columns.clone()].iter_mut().zip(of_row) {
+        *to += factor * x;
     }
+    to[N - 1] += factor * row[N - 1];
 }
 
 /// Copies the triangle of so many columns, and `z`.

@@ -102,13 +102,20 @@ pub struct Columns {
 }
 
 impl Columns {
-    pub fn new() -> Self {
-        let none = StateVector::zeros();
-        let unit = |k: usize| StateVector::from_fn(|i, _| if i == k { 1.0 } else { 0.0 });
+    pub const NONE: Self = {
+        let none = StateVector::from_array_storage(ArrayStorage([[0.0; STATE]]));
         Self {
-            state: core::array::from_fn(unit),
+            state: [none; STATE],
             inputs: [[none; INPUTS]; 2],
             parameters: [none; PARAMETERS],
+        }
+    };
+
+    /// At the beginning of an interval.
+    pub fn begin(&mut self) {
+        *self = Self::NONE;
+        for (k, column) in self.state.iter_mut().enumerate() {
+            column[k] = 1.0;
         }
     }
 }

@@ -150,7 +150,7 @@ fn unit_invalid_configurations_are_refused() {
 fn unit_no_sample_allocates() {
     let (mut filter, stream) = stream();
     println!(
-        "{} bytes with 48 columns and a window of 150 samples",
+        "{} bytes with 64 columns and a window of 150 samples",
         size_of::<OnBoard>()
     );
     let info = allocation_counter::measure(|| {
