@@ -23,8 +23,8 @@ use clap::{CommandFactory, FromArgMatches};
 use poinsot::{Error, guarded};
 use poinsot_files::{limit_hours, limit_memory};
 use poinsot_formats::ErrorFile;
-use progress::Progress;
 use std::ffi::OsString;
+use std::io::IsTerminal;
 
 /// Stack of the thread that runs a verb, bytes; that of the main thread is the user's limit.
 const STACK: usize = 8 << 20;
@@ -60,7 +60,10 @@ fn answer(words: Vec<OsString>) -> verbs::Outcome {
     limit_hours(arguments.limit_hours);
     let verb = matches.subcommand();
     let quiet = verb.and_then(|(_, m)| m.try_get_one::<bool>("quiet").ok().flatten());
-    let progress = Progress::start(quiet == Some(&true));
+    // `follow` shows its own lines; a person who types rows is not to be written over.
+    let typed = std::io::stdin().is_terminal() && verbs::command_line().iter().any(|w| w == "-");
+    let own = matches!(arguments.verb, Verb::Follow(_)) || typed;
+    progress::start(quiet == Some(&true) || own);
     let result = guarded(|| match &arguments.verb {
         Verb::Identify(a) => verbs::identify::run(a),
         Verb::Follow(a) => verbs::follow::run(a),
@@ -85,7 +88,7 @@ fn answer(words: Vec<OsString>) -> verbs::Outcome {
         Verb::Completions(a) => verbs::completions::run(a),
         Verb::Man(a) => verbs::man::run(a),
     });
-    progress.clear();
+    progress::clear();
     result
 }
 

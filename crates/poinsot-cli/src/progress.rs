@@ -1,58 +1,52 @@
-//! Progress bar on standard error, with the remaining time, for work longer than two seconds; only on a
-//! terminal. Library crates report progress as `tracing` events of one target.
+//! Progress on standard error, for work longer than two seconds; only on a terminal, and never while the program waits for a
+//! person. Library crates report progress as `tracing` events of one target.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use poinsot::{Listener, Step};
 use std::io::IsTerminal;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::OnceLock;
 use std::time::Duration;
 
 /// Delay before the bar appears.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// The progress bar, or nothing without a terminal.
-pub struct Progress {
-    bar: Option<ProgressBar>,
-    done: Arc<AtomicBool>,
+/// The bar, where one is wanted; a process runs one command.
+static BAR: OnceLock<ProgressBar> = OnceLock::new();
+
+/// Listens for progress events on a terminal.
+pub fn start(quiet: bool) {
+    if quiet || !std::io::stderr().is_terminal() {
+        return;
+    }
+    let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
+    bar.set_style(open());
+    bar.set_message("working");
+    let drawn = bar.clone();
+    let listener = Listener(move |step| draw(&drawn, step));
+    if tracing::subscriber::set_global_default(listener).is_err() {
+        return;
+    }
+    let bar = BAR.get_or_init(|| bar);
+    // Without the thread no bar is shown.
+    let _ = std::thread::Builder::new().spawn(|| {
+        std::thread::sleep(PATIENCE);
+        if !bar.is_finished() {
+            bar.set_draw_target(ProgressDrawTarget::stderr());
+            bar.enable_steady_tick(Duration::from_millis(120));
+        }
+    });
 }
 
-impl Progress {
-    /// Starts to listen for progress events.
-    pub fn start(quiet: bool) -> Self {
-        let done = Arc::new(AtomicBool::new(false));
-        if quiet || !std::io::stderr().is_terminal() {
-            return Self { bar: None, done };
-        }
-        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
-        bar.set_style(open());
-        bar.set_message("working");
-        let drawn = bar.clone();
-        let listener = Listener(move |step| draw(&drawn, step));
-        if tracing::subscriber::set_global_default(listener).is_err() {
-            return Self { bar: None, done };
-        }
-        let (shown, over) = (bar.clone(), done.clone());
-        // Without the thread no bar is shown.
-        let _ = std::thread::Builder::new().spawn(move || {
-            std::thread::sleep(PATIENCE);
-            if !over.load(Ordering::Acquire) {
-                shown.set_draw_target(ProgressDrawTarget::stderr());
-                shown.enable_steady_tick(Duration::from_millis(120));
-            }
-        });
-        Self {
-            bar: Some(bar),
-            done,
-        }
-    }
+/// Ends the progress, and removes it from the screen.
+pub fn clear() {
+    BAR.get().iter().for_each(|bar| bar.finish_and_clear());
+}
 
-    /// Removes the bar from the screen.
-    pub fn clear(&self) {
-        self.done.store(true, Ordering::Release);
-        if let Some(bar) = &self.bar {
-            bar.finish_and_clear();
-        }
+/// Without progress on the screen for the moment, for lines beside it.
+pub fn suspended<T>(act: impl FnOnce() -> T) -> T {
+    match BAR.get() {
+        Some(bar) => bar.suspend(act),
+        None => act(),
     }
 }
 

@@ -1,11 +1,11 @@
 //! `poinsot init`
 
-use super::{Outcome, exit_of, note, print, print_json, reading};
+use super::{Outcome, asked, exit_of, note, print, print_json, reading};
 use crate::arguments::Init;
 use poinsot::{Draft, Error, check_outputs, init, segment_files};
 use poinsot_files::error_line;
 use poinsot_formats::{QuestionFile, WrittenFile};
-use std::io::{BufRead, IsTerminal};
+use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 pub fn run(arguments: &Init) -> Outcome {
@@ -41,11 +41,9 @@ pub fn run(arguments: &Init) -> Outcome {
 /// Asks every question; an empty answer leaves it open.
 fn ask(draft: &mut Draft) {
     print("An empty answer leaves a question open.\n");
-    let mut lines = std::io::stdin().lock().lines();
     for question in draft.questions() {
         loop {
-            print(&format!("{}: ", question.text));
-            let Some(Ok(answer)) = lines.next() else {
+            let Some(answer) = asked(&format!("{}: ", question.text)) else {
                 return;
             };
             if answer.trim().is_empty() {

@@ -26,6 +26,7 @@ pub mod validate;
 use std::sync::OnceLock;
 
 use crate::arguments::Print;
+use crate::progress::{clear, suspended};
 use poinsot::Error;
 use poinsot_figures::{Document, FigureFormat, WITHOUT_PNG};
 use poinsot_files::{Fault, Place, error_line, escaped_lines, json_escaped};
@@ -100,7 +101,14 @@ pub fn usage(usage: &clap::Error) -> Outcome {
 /// Prints one line on standard error; a closed stream is ignored.
 pub fn note(line: &str) {
     use std::io::Write;
-    let _ = writeln!(std::io::stderr(), "{}", error_line(line));
+    let _ = suspended(|| writeln!(std::io::stderr(), "{}", error_line(line)));
+}
+
+/// The line that a person types after a question; none at the end of the input. From the first question on no progress is shown.
+pub fn asked(question: &str) -> Option<String> {
+    clear();
+    print(question);
+    std::io::stdin().lines().next()?.ok()
 }
 
 /// Prints an answer: as JSON, as text, or not.
@@ -168,7 +176,7 @@ pub fn print_styled(text: &str) {
 pub fn is_printed(text: &str) -> bool {
     use std::io::{ErrorKind, Write};
     let mut out = std::io::stdout().lock();
-    let done = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    let done = suspended(|| out.write_all(text.as_bytes()).and_then(|()| out.flush()));
     let Err(error) = done else { return true };
     if error.kind() != ErrorKind::BrokenPipe {
         let _ = REFUSED.set(error);

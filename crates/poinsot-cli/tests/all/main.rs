@@ -18,6 +18,7 @@ mod init;
 mod mixtures;
 mod noisy_gyro;
 mod paper_tables;
+mod pseudo_terminal;
 mod report;
 mod study;
 mod terminal;
