@@ -5,7 +5,7 @@
 //! - `arguments.rs`: arguments and help, the source of completions, manual pages and the book.
 //! - `verbs/`: one file per command.
 //! - `live.rs`: the page of `follow --serve`.
-//! - `terminal.rs`: width and colours. `progress.rs`: a bar after two seconds, from `tracing` events.
+//! - `terminal.rs`: width and colours. `progress.rs`: a line after two seconds, from `tracing` events.
 //! - `signals.rs`: removes drafts on INT, TERM, HUP; SIGXFSZ becomes an error.
 
 pub mod arguments;

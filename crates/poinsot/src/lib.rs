@@ -157,7 +157,7 @@ pub use mode_table::{ModeTable, import_modes};
 pub use output::{estimate_text, result_files, write_estimate, write_result};
 pub use poinsot_formats::EstimateFile;
 pub use poinsot_identify::{Coordinates, Modes};
-pub use progress::{Listener, Step};
+pub use progress::{Listener, Step, TRIALS};
 pub use propose::{InspectionAnswer, inspect, inspection_file};
 pub use report::write_report;
 pub use schema::{schema, schema_names};

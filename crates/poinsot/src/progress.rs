@@ -7,6 +7,9 @@ use tracing::{Event, Metadata, Subscriber};
 /// Target of the events. The macro below and the library crates repeat it, because it must be a literal there.
 const TARGET: &str = "poinsot::progress";
 
+/// Stage of the trials of a campaign; what happens within a trial has its own stages.
+pub const TRIALS: &str = "trials";
+
 /// Reports one finished step; `total` is 0 if unknown.
 pub(crate) fn step(stage: &str, done: usize, total: usize) {
     tracing::info!(

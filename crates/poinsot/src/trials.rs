@@ -18,7 +18,7 @@ use crate::channel_names::names;
 use crate::error::Error;
 use crate::identify::{Question, estimate_by};
 use crate::mass_numbers::names as mass_names;
-use crate::progress::step;
+use crate::progress::{TRIALS, step};
 use crate::simulate::{Exact, keep_measured, scalar_errors, simulate_exact, stream};
 use poinsot_dynamics::{Instrument, Tree};
 use poinsot_formats::address;
@@ -156,9 +156,10 @@ impl Study {
     pub fn run(&self, trials: Range<u64>) -> Vec<Row> {
         let total = usize::try_from(trials.end.saturating_sub(trials.start)).unwrap_or(usize::MAX);
         let (done, bound) = (AtomicUsize::new(0), self.bound_sigmas());
+        step(TRIALS, 0, total);
         let run = |n| {
             let row = self.trial_beside(n, &bound);
-            step("trials", done.fetch_add(1, Ordering::Relaxed) + 1, total);
+            step(TRIALS, done.fetch_add(1, Ordering::Relaxed) + 1, total);
             row
         };
         trials.into_par_iter().map(run).collect()

@@ -76,6 +76,7 @@ pub(crate) fn diagnose(
     fitted: &Fitted,
     fitted_numbers: usize,
 ) -> Diagnostics {
+    tracing::info!(target: "poinsot::progress", stage = "diagnosing the residuals");
     let chi2 = fitted.chi2();
     let dof = fitted.rows().saturating_sub(fitted_numbers);
     let excess = chi2 - dof as f64;

@@ -158,6 +158,7 @@ pub(super) fn solve_from(
     };
     let causes = causes.and_of_known_numbers(known.as_ref());
 
+    tracing::info!(target: "poinsot::progress", stage = "finding what the data determine");
     // The certificate: what the data determine, and along which paths all predictions are equal.
     let explained = match &linear {
         Some(solution) => solution.explained,

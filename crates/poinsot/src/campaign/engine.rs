@@ -8,7 +8,7 @@ use super::plan::{Plan, Shard};
 use super::shard::{MissingShard, ShardResult, find};
 use super::trial::Prepared;
 use crate::error::Error;
-use crate::progress::step;
+use crate::progress::{TRIALS, step};
 use crate::trials::Row;
 use poinsot_files::{Pace, Place, check_time};
 use std::collections::BTreeMap;
@@ -66,6 +66,7 @@ pub(super) fn run_each(
     let pieces = Mutex::new(pieces(plan, shards));
     let failure: Mutex<Option<Error>> = Mutex::new(None);
     let count = AtomicUsize::new(0);
+    step(TRIALS, 0, total);
     let work = || {
         while locked(&failure).is_none() {
             let Some((active, trial)) = locked(&pieces).next() else {
@@ -73,7 +74,7 @@ pub(super) fn run_each(
             };
             let finished = run_one(plan, &active, trial);
             let done = count.fetch_add(1, Ordering::Relaxed) + 1;
-            step("trials", done, total);
+            step(TRIALS, done, total);
             let taken = finished.and_then(|result| result.map_or(Ok(()), take));
             let taken = taken.and_then(|()| pace.check(1, total));
             if let Err(error) = taken {
