@@ -59,7 +59,7 @@ pub fn inspect(
     };
     run(py, None, move || {
         let found = poinsot::inspect(&paths, &options, model.as_deref(), map.as_deref())?;
-        let printed = found.to_string();
+        let printed = found.text(None);
         Ok((json(&inspection_file(found))?, printed))
     })
 }

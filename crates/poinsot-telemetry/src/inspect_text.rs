@@ -1,80 +1,87 @@
 //! An inspection as plain text.
 
-use crate::{ConventionTest, Inspection, Verdict};
+use crate::{ChannelSummary, ConventionTest, Inspection, Verdict};
 use std::fmt;
 
-impl fmt::Display for Inspection {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+/// Titles of the columns of [`Inspection::text`].
+const HEAD: [&str; 13] = [
+    "channel",
+    "unit",
+    "axes",
+    "samples",
+    "rate Hz",
+    "lost",
+    "gaps",
+    "longest s",
+    "min",
+    "max",
+    "quantum",
+    "noise",
+    "",
+];
+
+impl Inspection {
+    /// The inspection as text, with the channels as a table that is made of its head and its rows.
+    ///
+    /// ```
+    #[doc = include_str!("../doc/channel.txt")]
+    /// let rate = channel("joint1_rad_s", "rad/s", &[0.0, 0.1, 0.2], &[1.0, 3.0, 2.0]);
+    /// let found = inspect(&Table { channels: vec![rate], ..Table::default() });
+    /// let text = found.text(|head, rows| format!("{}: {}, {}: {}\n", head[0], rows[0][0], head[8], rows[0][8]));
+    /// assert!(text.contains("channel: joint1_rad_s, min: 1.000e0\n"));
+    /// ```
+    pub fn text(&self, table: impl FnOnce(Vec<String>, Vec<Vec<String>>) -> String) -> String {
+        let mut out = String::new();
         for s in &self.sources {
-            writeln!(
-                f,
-                "{}: {} rows, {} to {} s, sha256 {}",
-                s.path, s.rows, s.time_s[0], s.time_s[1], s.sha256
-            )?;
+            let (path, rows, [from, to], hash) = (&s.path, s.rows, s.time_s, &s.sha256);
+            out += &format!("{path}: {rows} rows, {from} to {to} s, sha256 {hash}\n");
         }
-        let width = self
-            .channels
-            .iter()
-            .map(|c| c.name.len())
-            .max()
-            .unwrap_or(0)
-            .max(7);
-        writeln!(
-            f,
-            "\n{:width$}  unit    axes      samples   rate Hz  lost  gaps  longest s         min         max     quantum       noise",
-            "channel"
-        )?;
-        for c in &self.channels {
-            let number = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.4e}"));
-            writeln!(
-                f,
-                "{:width$}  {:6}  {:8} {:8} {:>9} {:5} {:5} {:10.4} {:11.4e} {:11.4e} {:>11} {:>11}{}",
-                c.name,
-                c.unit,
-                c.frame,
-                c.samples,
-                c.rate_hz.map_or("-".to_owned(), |r| format!("{r:.4}")),
-                c.lost,
-                c.gaps,
-                c.longest_gap_s,
-                c.min,
-                c.max,
-                number(c.quantum),
-                number(c.noise),
-                if c.constant { "  constant" } else { "" }
-            )?;
-        }
+        let rows = self.channels.iter().map(ChannelSummary::cells).collect();
+        out += &format!("\n{}", table(HEAD.map(str::to_owned).to_vec(), rows));
         for test in &self.conventions {
-            write!(f, "\n{test}")?;
+            out += &format!("\n{test}");
         }
-        section(f, "Repairs", &self.repairs)?;
-        section(f, "Notes", &self.notes)?;
-        let found: Vec<String> = self
-            .findings
-            .iter()
-            .map(|x| format!("{}: {}: {}", x.check.name(), x.channel, x.text))
-            .collect();
-        section(f, "Checks", &found)?;
-        let ignored: Vec<String> = self
-            .ignored
-            .chunks(10)
-            .map(|names| names.join(", "))
-            .collect();
-        section(f, "Unused columns", &ignored)?;
-        section(
-            f,
-            "They may be (check, then write into [telemetry.columns])",
-            &self.suggestions,
-        )
+        section(&mut out, "Repairs", &self.repairs);
+        section(&mut out, "Notes", &self.notes);
+        let findings = self.findings.iter();
+        let found = findings.map(|x| format!("{}: {}: {}", x.check.name(), x.channel, x.text));
+        section(&mut out, "Checks", &found.collect::<Vec<_>>());
+        let ignored = self.ignored.chunks(10).map(|names| names.join(", "));
+        section(&mut out, "Unused columns", &ignored.collect::<Vec<_>>());
+        let title = "They may be (check, then write into [telemetry.columns])";
+        section(&mut out, title, &self.suggestions);
+        out
     }
 }
 
-fn section(f: &mut fmt::Formatter<'_>, title: &str, lines: &[String]) -> fmt::Result {
-    if lines.is_empty() {
-        return Ok(());
+impl ChannelSummary {
+    fn cells(&self) -> Vec<String> {
+        let number = |x: f64| format!("{x:.3e}");
+        let rounded = |x: f64| ((x * 1.0e4).round() / 1.0e4).to_string();
+        let or_none = |x: Option<String>| x.unwrap_or_else(|| "-".to_owned());
+        vec![
+            self.name.clone(),
+            self.unit.clone(),
+            self.frame.clone(),
+            self.samples.to_string(),
+            or_none(self.rate_hz.map(rounded)),
+            self.lost.to_string(),
+            self.gaps.to_string(),
+            rounded(self.longest_gap_s),
+            number(self.min),
+            number(self.max),
+            or_none(self.quantum.map(number)),
+            or_none(self.noise.map(number)),
+            if self.constant { "constant" } else { "" }.to_owned(),
+        ]
     }
-    writeln!(f, "\n{title}:")?;
-    lines.iter().try_for_each(|line| writeln!(f, "  {line}"))
+}
+
+fn section(out: &mut String, title: &str, lines: &[String]) {
+    if !lines.is_empty() {
+        *out += &format!("\n{title}:\n");
+    }
+    lines.iter().for_each(|line| *out += &format!("  {line}\n"));
 }
 
 impl fmt::Display for ConventionTest {

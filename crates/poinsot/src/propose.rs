@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::identify::repair::Refusal;
 use crate::propose_sensors::proposed_sensors;
 use crate::survey::Survey;
+use poinsot_figures::{Section, TextStyle};
 use poinsot_formats::{INSPECTION, StatedFile};
 use poinsot_model::{TelemetryMap, read_model, read_telemetry_map};
 use poinsot_telemetry::{Inspection, ReadOptions, inspect_files};
@@ -117,22 +118,42 @@ pub struct InspectionAnswer {
     pub next: String,
 }
 
-impl std::fmt::Display for InspectionAnswer {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}", self.inspection)?;
-        if let Some(map) = &self.proposed_map {
-            write!(
-                f,
-                "\n\nProposed map, for the model file or a file for --map; check the lines marked unsure:\n\n{map}"
-            )?;
+impl InspectionAnswer {
+    /// The inspection as text for a terminal of a width; what is proposed is never wrapped, to be pasted.
+    ///
+    /// ```
+    /// use poinsot::inspect;
+    /// use poinsot_telemetry::ReadOptions;
+    ///
+    /// let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/stsat3/paper/telemetry_noisy.csv");
+    /// let found = inspect(&[path.into()], &ReadOptions::default(), None, None)?;
+    /// let text = found.text(Some(120));
+    /// assert!(text.contains("omega_x       rad/s      body"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn text(&self, width: Option<u16>) -> String {
+        let style = TextStyle {
+            width,
+            ..TextStyle::default()
+        };
+        let mut out = style.wrapped(&self.inspection.text(|head, rows| {
+            let table = Section {
+                head,
+                rows,
+                ..Section::default()
+            };
+            table.text(&style)
+        }));
+        let map = "Proposed map, for the model file or a file for --map; check the lines marked unsure:\n\n";
+        let sensors = "Proposed noise of the sensors:\n\n";
+        let next = Some(self.next.clone()).filter(|next| !next.is_empty());
+        let (of_map, of_sensors) = (&self.proposed_map, &self.proposed_sensors);
+        for (title, text) in [(map, of_map), (sensors, of_sensors), ("", &next)] {
+            if let Some(text) = text {
+                out += &format!("\n\n{title}{text}");
+            }
         }
-        if let Some(sensors) = &self.proposed_sensors {
-            write!(f, "\n\nProposed noise of the sensors:\n\n{sensors}")?;
-        }
-        match self.next.as_str() {
-            "" => Ok(()),
-            next => write!(f, "\n\n{next}"),
-        }
+        out
     }
 }
 

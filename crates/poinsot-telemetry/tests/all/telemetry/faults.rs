@@ -336,7 +336,7 @@ proptest::proptest! {
         }
         for strict in [false, true] {
             let _ = read_text(&text, &ReadOptions { strict, ..ReadOptions::default() })
-                .map(|t| poinsot_telemetry::inspect(&t).to_string());
+                .map(|t| poinsot_telemetry::inspect(&t).text(|_, rows| rows.concat().concat()));
         }
     }
 }

@@ -43,7 +43,7 @@ fn unit_an_inspection_lists_rates_gaps_and_proposals() {
             &"-9999 occurs in 3 samples, far from all others: probably a placeholder; write it as invalid in its column of the map, or use --policy placeholder=exclude"
         )
     );
-    let shown = seen.to_string();
+    let shown = seen.text(|_, rows| rows.concat().join(" "));
     assert!(shown.contains("omega_x") && shown.contains("Unused columns:\n  wy [deg/s], Mode"));
     let json = serde_json::to_value(&seen).unwrap();
     assert_eq!(json["channels"][0]["name"], "omega_x");
