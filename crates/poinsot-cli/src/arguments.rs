@@ -25,7 +25,11 @@ pub const EXIT_CODES: [(u8, &str); 5] = [
 
 /// Mass, centre of mass and inertia of spacecraft and space robots, from telemetry.
 #[derive(Debug, Parser)]
-#[command(name = "poinsot", version)]
+#[command(
+    name = "poinsot",
+    version,
+    after_help = "Examples:\n  poinsot init flight.csv -o model.toml\n  poinsot identify model.toml flight.csv --out answer --report\n  poinsot identify --help"
+)]
 pub struct Arguments {
     /// Memory that the work may need by its estimate, MiB. Default: 80 % of what is free.
     #[arg(long, value_name = "MIB", global = true, value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
@@ -103,6 +107,7 @@ pub enum Verb {
     #[command(after_help = "Example: poinsot campaign plan.toml --out trials")]
     Campaign(Campaign),
     /// Vary numbers of one case and compare methods: errors, bounds, figures. A campaign of one case.
+    #[command(after_help = "Example: poinsot sweep case.toml --vary noise=1,3 --trials 20")]
     Sweep(Sweep),
     /// Write a result of identify, validate, predict, compare, design or campaign as one page, report.html, without network.
     #[command(after_help = "Example: poinsot report answer")]
@@ -137,20 +142,27 @@ pub enum Verb {
     )]
     Export(Export),
     /// Explain an error code: meaning, usual cause and remedy. Without a code, explain all.
+    #[command(after_help = "Example: poinsot explain E0203")]
     Explain(Explain),
     /// List the units of a telemetry map, by quantity.
+    #[command(after_help = "Example: poinsot units --json")]
     Units(Units),
     /// List the methods of `identify` with their variants and papers.
+    #[command(after_help = "Example: poinsot methods xu2017")]
     Methods(Methods),
     /// Reproduce the tables, figures and claims of a published paper. Without a name, list the studies.
     ///
     /// Exit code 0: computed. 2: no such study, or no folder of data. 3: disk or permission.
+    #[command(after_help = "Example: poinsot study ma2008 exact --out tables")]
     Study(Study),
     /// Print the JSON Schema of a file format.
+    #[command(after_help = "Example: poinsot schema plan > plan.schema.json")]
     Schema(Schema),
     /// Print a shell completion script.
+    #[command(after_help = "Example: poinsot completions zsh > ~/.zfunc/_poinsot")]
     Completions(Completions),
     /// Write the manual pages, one per command.
+    #[command(after_help = "Example: poinsot man ~/.local/share/man/man1")]
     Man(Man),
 }
 
@@ -469,7 +481,7 @@ pub struct Validate {
     /// Case (TOML, poinsot.case/2) that drives the vehicle; not needed for held-back telemetry.
     pub case: Option<PathBuf>,
     /// Model of the vehicle (TOML, poinsot.model/1). Default: the model of the case.
-    #[arg(long, value_name = "MODEL.toml")]
+    #[arg(long, short = 'm', value_name = "MODEL.toml")]
     pub model: Option<PathBuf>,
     /// Estimate made with this model (folder of identify --out, or estimate.json): its numbers replace the nominal
     /// ones. Undetermined numbers are allowed if the motion does not depend on them, which is tested.
@@ -574,7 +586,7 @@ pub struct Sweep {
     /// Case (TOML, poinsot.case/2); its model is the truth.
     pub case: PathBuf,
     /// Nominal model for the identification. Default: the model of the case.
-    #[arg(long, value_name = "MODEL.toml")]
+    #[arg(long, short = 'm', value_name = "MODEL.toml")]
     pub model: Option<PathBuf>,
     /// A number of case or model with its values: noise=1,2,5 (a factor on all declared noise), gyro.noise=1,2,
     /// body.arm.mass_kg=10:20:6, output.rate_hz=1:100:5:log. Repeat for a grid.
@@ -647,7 +659,7 @@ pub struct Inspect {
     /// Telemetry (CSV or Parquet); files of one segment joined by commas.
     pub telemetry: OsString,
     /// Model with the `[telemetry]` table and the sensor mountings to use.
-    #[arg(long, value_name = "MODEL.toml")]
+    #[arg(long, short = 'm', value_name = "MODEL.toml")]
     pub model: Option<PathBuf>,
     /// File whose `[telemetry]` table replaces that of the model.
     #[arg(long, value_name = "MAP.toml")]

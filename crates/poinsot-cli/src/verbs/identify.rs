@@ -6,7 +6,7 @@ use poinsot::{
     Coordinates, Error, IDENTIFY_MIB, IdentifyRequest, Modes, Question, Reading, check_outputs,
     estimate_file, identify, row_step, segment_files, write_result,
 };
-use poinsot_files::{Fault, Place};
+use poinsot_files::{Fault, Place, open};
 use poinsot_report::{Detail, estimate_document};
 use poinsot_telemetry::Encoding;
 use std::ffi::OsString;
@@ -77,8 +77,13 @@ pub fn run(arguments: &Identify) -> Outcome {
     Ok(exit_of(identified.passes()))
 }
 
-/// Without a model: the command that drafts one.
+/// Without a model: a file that does not exist, or the command that drafts one.
 fn no_model(files: &[&OsString]) -> Error {
+    let paths = files.iter().flat_map(segment_files);
+    let mut named = paths.filter(|path| path != Path::new("-"));
+    if let Some(error) = named.find_map(|path| Some(open(&path).err()?.fault("E0201", &path))) {
+        return error;
+    }
     let files: Vec<_> = files.iter().map(|file| file.to_string_lossy()).collect();
     let files = files.join(" ");
     let problem = "no model says what the vehicle consists of";

@@ -181,3 +181,12 @@ fn cli_what_is_not_determined_is_not_exported() {
         "spacecraft,inertia_kg_m2.xy,kg m2,,,0.0,not determined"
     );
 }
+
+#[test]
+fn cli_export_names_the_formats_of_ccsds() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["ccsds", "CCSDS"] {
+        let said = error(&poinsot(folder.path(), &["export", "out", "--to", name]));
+        assert!(said.contains("use apm or acm"), "{said}");
+    }
+}

@@ -522,3 +522,15 @@ fn cli_init_drafts_a_wheel_of_its_momentum() {
         assert!(draft.contains(part), "{part}: {draft}");
     }
 }
+
+#[test]
+fn cli_without_a_model_a_missing_file_is_named_before_a_draft_is_advised() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = |words: &[&str]| text(&poinsot(folder.path(), words).stderr);
+    let missing = said(&["identify", "nofile.csv"]);
+    assert!(missing.starts_with("E0201 nofile.csv: "), "{missing}");
+    assert!(!missing.contains("poinsot init"), "{missing}");
+    std::fs::write(folder.path().join("a.csv"), "time_s,omega_x\n").unwrap();
+    let draft = said(&["identify", "a.csv"]);
+    assert!(draft.contains("poinsot init a.csv"), "{draft}");
+}

@@ -99,6 +99,44 @@ fn cli_every_verb_knows_json_and_quiet() {
     }
 }
 
+/// The help of every command ends with examples, and each is a valid command line.
+#[test]
+fn cli_the_help_of_every_verb_has_examples_that_parse() {
+    let all = Arguments::command();
+    for command in std::iter::once(&all).chain(all.get_subcommands()) {
+        let name = command.get_name();
+        let help = command.get_after_help().map(ToString::to_string);
+        let help = help.unwrap_or_default();
+        let lines = help.lines().filter_map(|line| {
+            let begin = line.find("poinsot ")?;
+            line[begin..].split(" > ").next()?.split(" >> ").next()
+        });
+        let mut count = 0;
+        for line in lines {
+            let parsed = Arguments::command().try_get_matches_from(line.split_whitespace());
+            let is_help = |e: &clap::Error| e.kind() == clap::error::ErrorKind::DisplayHelp;
+            assert!(parsed.as_ref().err().is_none_or(is_help), "{line}");
+            let of = parsed
+                .ok()
+                .and_then(|m| m.subcommand_name().map(str::to_owned));
+            assert!(name == "poinsot" || of.as_deref() == Some(name), "{line}");
+            count += 1;
+        }
+        assert!(count > 0, "poinsot {name} has no example: {help}");
+    }
+}
+
+#[test]
+fn cli_model_and_telemetry_have_the_same_short_names_everywhere() {
+    for verb in Arguments::command().get_subcommands() {
+        for (long, short) in [("model", 'm'), ("telemetry", 't')] {
+            let own = verb.get_arguments().find(|a| a.get_long() == Some(long));
+            let is_short = own.is_none_or(|a| a.get_short() == Some(short));
+            assert!(is_short, "poinsot {} --{long}", verb.get_name());
+        }
+    }
+}
+
 #[test]
 fn cli_colours_only_where_they_are_seen_or_asked_for() {
     let words = ["predict", &example("cases/stsat3_kim2010.toml")];

@@ -1,6 +1,7 @@
 //! The motion as poles on the inertia ellipsoid.
 
 use super::curves::group;
+use crate::summary::counted;
 use nalgebra::{Quaternion, UnitQuaternion};
 use poinsot_figures::{Curve, Point, Rolling, Scene};
 use poinsot_formats::Segment;
@@ -163,7 +164,8 @@ impl Poles {
         let gaps = match broken {
             0 => String::new(),
             n => format!(
-                " The polhode is broken at {n} places where samples are too sparse for the path."
+                " The polhode is broken at {} where samples are too sparse for the path.",
+                counted(n, "place", "places")
             ),
         };
         let motion = if free {

@@ -106,6 +106,10 @@ impl FromStr for Target {
 
     fn from_str(name: &str) -> Result<Self, Error> {
         let found = Self::ALL.into_iter().find(|t| t.name() == name);
+        if name.eq_ignore_ascii_case("ccsds") {
+            let problem = "CCSDS has two formats: apm with the inertia, acm with mass and inertia";
+            return Err(Error::usage("--to", name, problem, "use apm or acm"));
+        }
         found.ok_or_else(|| unknown("--to", name, "format", Self::ALL.map(Self::name)))
     }
 }
