@@ -7,6 +7,7 @@ use poinsot_telemetry::Encoding;
 use std::ffi::OsString;
 use std::net::SocketAddr;
 use std::path::PathBuf;
+use std::str::FromStr;
 
 /// Exit codes with their meaning.
 pub const EXIT_CODES: [(u8, &str); 5] = [
@@ -265,15 +266,19 @@ pub struct Rows {
 }
 
 fn span(text: &str) -> Result<[f64; 2], String> {
-    let wanted = || "give two increasing times in seconds: FROM,TO".to_owned();
-    let (from, to) = text.split_once(',').ok_or_else(wanted)?;
-    let parse = |t: &str| t.trim().parse::<f64>().map_err(|_| wanted());
-    let (from, to) = (parse(from)?, parse(to)?);
+    let [from, to] = pair(text, ',').unwrap_or([f64::NAN; 2]);
+    let wanted = "give two increasing times in seconds: FROM,TO";
     if from < to {
         Ok([from, to])
     } else {
-        Err(wanted())
+        Err(wanted.to_owned())
     }
+}
+
+/// Two numbers.
+fn pair<T: FromStr>(text: &str, between: char) -> Option<[T; 2]> {
+    let (a, b) = text.split_once(between)?;
+    Some([a.trim().parse().ok()?, b.trim().parse().ok()?])
 }
 
 /// Arguments of `import`.
@@ -559,24 +564,18 @@ pub struct Campaign {
 }
 
 fn share(text: &str) -> Result<(u64, u64), String> {
-    let wanted = || "write I/N, for example 1/4: the first of four shares".to_owned();
-    let (i, n) = text.split_once('/').ok_or_else(wanted)?;
-    match (i.trim().parse(), n.trim().parse()) {
-        (Ok(i), Ok(n)) if 1 <= i && i <= n => Ok((i, n)),
-        _ => Err(wanted()),
+    match pair(text, '/') {
+        Some([i, n]) if 1 <= i && i <= n => Ok((i, n)),
+        _ => Err("write I/N, for example 1/4: the first of four shares".to_owned()),
     }
 }
 
 fn until(text: &str) -> Result<f64, String> {
-    let wanted = || "write coverage=0.5%: half the width of the interval".to_owned();
-    let (what, value) = text.split_once('=').ok_or_else(wanted)?;
-    let percent = value
-        .trim()
-        .strip_suffix('%')
-        .and_then(|v| v.trim().parse::<f64>().ok());
-    match percent {
-        Some(p) if what.trim() == "coverage" && p > 0.0 && p < 50.0 => Ok(p / 100.0),
-        _ => Err(wanted()),
+    let (what, value) = text.split_once('=').unwrap_or_default();
+    let percent = value.trim().strip_suffix('%').unwrap_or_default();
+    match percent.trim().parse::<f64>() {
+        Ok(p) if what.trim() == "coverage" && p > 0.0 && p < 50.0 => Ok(p / 100.0),
+        _ => Err("write coverage=0.5%: half the width of the interval".to_owned()),
     }
 }
 

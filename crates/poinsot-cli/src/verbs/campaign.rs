@@ -53,7 +53,7 @@ pub fn run(arguments: &Campaign) -> Outcome {
                     resume: arguments.resume || arguments.processes.is_some(),
                     until: arguments.until,
                     follow: arguments.follow.then_some(&follow),
-                    engine: None,
+                    ..CampaignRequest::default()
                 },
             )?
         }
@@ -100,13 +100,9 @@ fn print_far(so_far: &CampaignFile) {
                 format!("{name} {percent:.1}")
             });
             let words: Vec<String> = coverage.take(6).collect();
-            note(&format!(
-                "{} {}: {} trials, coverage % {}",
-                cell.experiment,
-                method.method,
-                method.trials,
-                words.join(", ")
-            ));
+            let (of, by, n) = (&cell.experiment, &method.method, method.trials);
+            let words = words.join(", ");
+            note(&format!("{of} {by}: {n} trials, coverage % {words}"));
         }
     }
 }
@@ -176,18 +172,14 @@ fn supervised(arguments: &Campaign, plan: &Plan, out: &Path, processes: u64) -> 
             }
         }
     }
-    match failed {
-        None => Ok(()),
-        Some(code) => Err(Fault::new(
-            "E0603",
-            Place::default(),
-            "a process of this campaign refused its input or met a full disk",
-            "see its message above, then give --resume",
-        )
-        .of_kind(match code {
-            3 => ErrorKind::System,
-            _ => ErrorKind::Input,
-        })
-        .into()),
-    }
+    let Some(code) = failed else { return Ok(()) };
+    let problem = "a process of this campaign refused its input or met a full disk";
+    let advice = "see its message above, then give --resume";
+    let kind = if code == 3 {
+        ErrorKind::System
+    } else {
+        ErrorKind::Input
+    };
+    let fault = Fault::new("E0603", Place::default(), problem, advice);
+    Err(fault.of_kind(kind).into())
 }

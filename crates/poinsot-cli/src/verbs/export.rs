@@ -39,12 +39,8 @@ fn table(arguments: &Export) -> Outcome {
     };
     let Some(out) = &arguments.out else {
         let problem = "the table of the on-board filter is binary";
-        return Err(Error::usage(
-            "--to",
-            &arguments.to,
-            problem,
-            "name its file by -o",
-        ));
+        let advice = "name its file by -o";
+        return Err(Error::usage("--to", &arguments.to, problem, advice));
     };
     check_outputs("-o", std::slice::from_ref(out), &[model])?;
     let (bytes, assumed) = export_table(model, answer, arguments.accept_unreliable)?;

@@ -32,11 +32,8 @@ pub fn run(arguments: &Follow) -> Outcome {
     let from_stream = arguments.file == Path::new("-");
     let mut copy = match &arguments.out {
         Some(folder) => {
-            check_outputs(
-                "--out",
-                &[folder.join("estimate.json")],
-                &[&arguments.model],
-            )?;
+            let answer = [folder.join("estimate.json")];
+            check_outputs("--out", &answer, &[&arguments.model])?;
             let path = folder.join(ROWS);
             let create = || growing(&path).map_err(|e| unwritable(&path, &e));
             from_stream.then(create).transpose()?
@@ -85,9 +82,7 @@ pub fn run(arguments: &Follow) -> Outcome {
         note("fewer than two rows arrived: nothing is known");
     }
     shown.certifier.iter_mut().for_each(|c| c.end(&last));
-    last.iter().for_each(|known| {
-        shown.show(known);
-    });
+    last.as_ref().map(|known| shown.show(known));
     shown.feed.iter().for_each(|feed| feed.end());
     if let Some(folder) = &arguments.out {
         let rows = if from_stream {

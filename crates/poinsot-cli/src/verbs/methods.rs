@@ -3,7 +3,6 @@
 use super::{Outcome, print, print_json, shown};
 use crate::arguments::Methods;
 use poinsot::methods::{MethodText, methods, methods_file};
-use std::fmt::Write;
 
 pub fn run(arguments: &Methods) -> Outcome {
     let mut listed = methods();
@@ -31,25 +30,21 @@ pub fn run(arguments: &Methods) -> Outcome {
 fn text(method: &MethodText) -> String {
     let mut out = format!("{}: {}\n", method.name, method.summary);
     if let Some(paper) = method.paper {
-        let _ = writeln!(out, "  paper: {paper}");
+        out += &format!("  paper: {paper}\n");
     }
-    let width = method.variants.iter().map(|v| v.name.len()).max();
+    let names = method.variants.iter().map(|v| v.name.len());
+    let width = names.max().unwrap_or(0);
     for (k, variant) in method.variants.iter().enumerate() {
         let default = if k == 0 { " (default)" } else { "" };
-        let _ = writeln!(
-            out,
-            "  --variant {:width$}  {}{default}",
-            variant.name,
-            variant.summary,
-            width = width.unwrap_or(0)
-        );
+        let (name, about) = (variant.name, variant.summary);
+        out += &format!("  --variant {name:width$}  {about}{default}\n");
     }
     let settings = method.settings.iter();
-    let width = settings.map(|s| s.key.len() + s.default.len());
-    let width = width.max().unwrap_or(0) + 1;
-    for setting in method.settings {
-        let pair = format!("{}={}", setting.key, setting.default);
-        let _ = writeln!(out, "  --set {pair:width$}  {}", setting.summary);
+    let pairs = settings.map(|s| (format!("{}={}", s.key, s.default), s.summary));
+    let pairs: Vec<_> = pairs.collect();
+    let width = pairs.iter().map(|p| p.0.len()).max().unwrap_or(0);
+    for (pair, about) in pairs {
+        out += &format!("  --set {pair:width$}  {about}\n");
     }
     out
 }

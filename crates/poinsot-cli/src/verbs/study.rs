@@ -8,9 +8,8 @@ use poinsot::study::{
     files, find, findings_file, printed_findings, run as run_study, studies_file,
 };
 use poinsot::write_files;
-use poinsot_formats::{FINDINGS, FindingsFile, PaperFile, StudiesFile};
+use poinsot_formats::{FINDINGS, FindingsFile, StudiesFile};
 use poinsot_report::study_document;
-use std::fmt::Write;
 
 pub fn run(arguments: &Study) -> Outcome {
     let chosen = find(arguments.paper.as_deref(), arguments.name.as_deref())?;
@@ -18,10 +17,8 @@ pub fn run(arguments: &Study) -> Outcome {
         list(arguments);
         return Ok(0);
     }
-    if command_line()
-        .iter()
-        .any(|word| word.split('=').next() == Some("--examples"))
-    {
+    let is_old = |word: &String| word.split('=').next() == Some("--examples");
+    if command_line().iter().any(is_old) {
         note(
             "warning: --examples is the old name of --data. Use --data: version 0.3 refuses --examples.",
         );
@@ -65,21 +62,14 @@ fn list(arguments: &Study) {
 
 fn listed(all: &StudiesFile) -> String {
     let mut out = String::new();
-    for PaperFile {
-        paper,
-        citation,
-        studies,
-    } in &all.papers
-    {
-        let _ = writeln!(out, "{paper}: {citation}");
-        let width = studies.iter().map(|s| s.name.len()).max().unwrap_or(0);
-        for s in studies {
+    for of in &all.papers {
+        let paper = &of.paper;
+        out += &format!("{paper}: {}\n", of.citation);
+        let width = of.studies.iter().map(|s| s.name.len()).max().unwrap_or(0);
+        for s in &of.studies {
             let slow = if s.quick { "" } else { " (minutes)" };
-            let _ = writeln!(
-                out,
-                "  poinsot study {paper} {:width$}  {}{slow}",
-                s.name, s.summary
-            );
+            let (name, about) = (&s.name, &s.summary);
+            out += &format!("  poinsot study {paper} {name:width$}  {about}{slow}\n");
         }
     }
     out
