@@ -500,25 +500,13 @@ pub enum OrbitFrame {
 }
 
 impl TelemetryMap {
-    /// A map with columns and a row filter for every file.
-    pub fn of(columns: Vec<ColumnMap>, row_filter: Vec<(String, String)>) -> Self {
-        Self {
-            all: FileMap {
-                columns,
-                row_filter,
-                ..FileMap::default()
-            },
-            ..Self::default()
-        }
-    }
-
     /// Whether the columns of a wheel are its momentum.
     ///
     /// ```
     /// use poinsot_telemetry::{ColumnMap, TelemetryMap};
     ///
-    /// let column = ColumnMap::new("rw1_rad_s", "H1", "N m s");
-    /// let map = TelemetryMap::of(vec![column], Vec::new());
+    /// let mut map = TelemetryMap::default();
+    /// map.all.columns.push(ColumnMap::new("rw1_rad_s", "H1", "N m s"));
     /// assert!(map.has_momentum("rw1") && !map.has_momentum("rw2"));
     /// ```
     pub fn has_momentum(&self, wheel: &str) -> bool {

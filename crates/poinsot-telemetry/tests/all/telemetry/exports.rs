@@ -1,6 +1,6 @@
 //! Files exported by ground stations: layout, times, units row, compression.
 
-use crate::telemetry::{Folder, assert_told, read_text};
+use crate::telemetry::{Folder, assert_told, map_of, read_text};
 use poinsot_telemetry::{
     AttitudeColumn, AttitudeMap, ColumnMap, FileMap, Layout, NamedMap, OrbitFrame, OrbitMap, Order,
     Overlap, ReadOptions, Scale, Sense, TelemetryMap, TimeFormat, TimeMap, read,
@@ -488,7 +488,6 @@ fn exact_a_momentum_is_a_speed_by_the_spin_inertia() {
         "is not known; name a wheel of the model whose spin inertia is not estimated",
     );
     let torque = ColumnMap::new("rw1_Nm", "H1", "N m s");
-    let fault =
-        poinsot_telemetry::map_faults(&TelemetryMap::of(vec![torque], Vec::new())).remove(0);
+    let fault = poinsot_telemetry::map_faults(&map_of(vec![torque], Vec::new())).remove(0);
     assert_eq!(fault.problem, "unit 'N m s' does not measure it");
 }

@@ -1,7 +1,7 @@
 //! Every fault of a CSV file: code, place and value of its error.
 
-use crate::telemetry::{Folder, assert_told, read_text};
-use poinsot_telemetry::{ColumnMap, ReadOptions, TelemetryMap, read};
+use crate::telemetry::{Folder, assert_told, map_of, read_text};
+use poinsot_telemetry::{ColumnMap, ReadOptions, read};
 
 fn fault(text: impl AsRef<[u8]>) -> String {
     read_text(text, &ReadOptions::default()).expect_err("must be refused")
@@ -17,7 +17,7 @@ fn strict(text: &str) -> String {
 
 fn map(channel: &str, column: &str, unit: &str) -> ReadOptions {
     ReadOptions {
-        map: TelemetryMap::of(vec![ColumnMap::new(channel, column, unit)], Vec::new()),
+        map: map_of(vec![ColumnMap::new(channel, column, unit)], Vec::new()),
         ..ReadOptions::default()
     }
 }

@@ -14,7 +14,7 @@ mod round_trip;
 mod segments;
 mod unusual_exports;
 
-use poinsot_telemetry::{ReadOptions, Table, read};
+use poinsot_telemetry::{ColumnMap, ReadOptions, Table, TelemetryMap, read};
 use std::path::PathBuf;
 use tempfile::TempDir;
 
@@ -23,6 +23,13 @@ use tempfile::TempDir;
 fn assert_told(message: &str, place: &str, value: &str) {
     let begins = message.starts_with(&format!("{place}: "));
     assert!(begins && message.contains(value), "{message}");
+}
+
+/// A map with columns and a row filter for every file.
+fn map_of(columns: Vec<ColumnMap>, row_filter: Vec<(String, String)>) -> TelemetryMap {
+    let mut map = TelemetryMap::default();
+    (map.all.columns, map.all.row_filter) = (columns, row_filter);
+    map
 }
 
 /// A temporary folder of files.

@@ -1,7 +1,7 @@
 //! Parquet files of other programs, and damaged ones.
 
-use crate::telemetry::Folder;
-use poinsot_telemetry::{ColumnMap, ReadOptions, TelemetryMap, read};
+use crate::telemetry::{Folder, map_of};
+use poinsot_telemetry::{ColumnMap, ReadOptions, read};
 use std::path::{Path, PathBuf};
 
 /// A file of pyarrow: tests/data/columns.py.
@@ -17,7 +17,7 @@ fn options() -> ReadOptions {
     ];
     let rows = vec![("log".into(), "b".into()), ("group".into(), "g".into())];
     ReadOptions {
-        map: TelemetryMap::of(columns, rows),
+        map: map_of(columns, rows),
         ..ReadOptions::default()
     }
 }
@@ -44,7 +44,7 @@ fn rate(file: &str, time: &str, column: &str) -> Result<poinsot_telemetry::Table
         ColumnMap::new("omega_x", column, "rad/s"),
     ];
     let options = ReadOptions {
-        map: TelemetryMap::of(columns, Vec::new()),
+        map: map_of(columns, Vec::new()),
         ..ReadOptions::default()
     };
     read(&[made(file)], &options).map_err(|e| e.to_string())
@@ -103,7 +103,7 @@ fn unit_an_infinite_number_names_file_row_and_column() {
 #[test]
 fn unit_a_time_that_goes_back_names_file_row_and_column() {
     let unfiltered = ReadOptions {
-        map: TelemetryMap::of(options().map.all.columns, Vec::new()),
+        map: map_of(options().map.all.columns, Vec::new()),
         ..options()
     };
     let error = read(&[made("runs.parquet")], &unfiltered).unwrap_err();

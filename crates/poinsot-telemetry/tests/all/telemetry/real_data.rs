@@ -1,8 +1,7 @@
 //! Files of real and simulated spacecraft that are not in the repository; they run by `scripts/test data`.
 
-use poinsot_telemetry::{
-    ColumnMap, ReadOptions, TelemetryMap, Verdict, convention_tests, inspect, read, write,
-};
+use crate::telemetry::map_of;
+use poinsot_telemetry::{ColumnMap, ReadOptions, Verdict, convention_tests, inspect, read, write};
 use poinsot_testkit::outside::outside;
 
 fn map(lines: &[(&str, &str, &str)]) -> Vec<ColumnMap> {
@@ -15,7 +14,7 @@ fn map(lines: &[(&str, &str, &str)]) -> Vec<ColumnMap> {
 fn xval_a_throw_is_read_as_pyarrow_reads_it() {
     let path = outside("data/real/tudelft_throw/throws.parquet");
     let options = ReadOptions {
-        map: TelemetryMap::of(
+        map: map_of(
             map(&[
                 ("time_s", "t_s", "s"),
                 ("omega_x", "wx", "rad/s"),
@@ -46,7 +45,7 @@ fn xval_a_throw_is_read_as_pyarrow_reads_it() {
     }
     assert_eq!(table.ignored, ["group", "ax", "ay", "az"]);
     let unfiltered = ReadOptions {
-        map: TelemetryMap::of(options.map.all.columns, Vec::new()),
+        map: map_of(options.map.all.columns, Vec::new()),
         ..ReadOptions::default()
     };
     assert_eq!(read(&[&path], &unfiltered).unwrap_err().code(), "E0208");
@@ -58,7 +57,7 @@ fn xval_two_files_of_a_satellite_in_orbit() {
     let rates = outside("data/real/lomonosov_flight_wheels/attitude_rates.csv");
     let wheels = outside("data/real/lomonosov_flight_wheels/wheels.csv");
     let options = ReadOptions {
-        map: TelemetryMap::of(
+        map: map_of(
             map(&[
                 ("time_s", "OBTS, sec", "s"),
                 ("omega_x", "rRoll_meas", "deg/s"),

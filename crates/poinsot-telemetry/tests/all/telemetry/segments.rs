@@ -1,14 +1,14 @@
 //! Maps, filters and several files of one segment.
 
-use crate::telemetry::{Folder, assert_told, read_text};
-use poinsot_telemetry::{ColumnMap, ReadOptions, TelemetryMap, read};
+use crate::telemetry::{Folder, assert_told, map_of, read_text};
+use poinsot_telemetry::{ColumnMap, ReadOptions, read};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
 #[test]
 fn exact_mapped_columns_arrive_in_si() {
     let options = ReadOptions {
-        map: TelemetryMap::of(
+        map: map_of(
             vec![
                 ColumnMap::new("time_s", "t_ms", "ms"),
                 ColumnMap::new("omega_x", "wx [deg/s]", "deg/s"),
@@ -41,7 +41,7 @@ fn exact_mapped_columns_arrive_in_si() {
 fn unit_rows_are_chosen_before_times_are_checked() {
     let text = "run,time_s,omega_x\na,0,1\na,1,2\nb,0,3\nb,1,4\n";
     let options = |value: &str| ReadOptions {
-        map: TelemetryMap::of(Vec::new(), vec![("run".into(), value.into())]),
+        map: map_of(Vec::new(), vec![("run".into(), value.into())]),
         ..ReadOptions::default()
     };
     let table = read_text(text, &options("b")).unwrap();
@@ -54,7 +54,7 @@ fn unit_rows_are_chosen_before_times_are_checked() {
     let error = read_text(text, &options("c")).unwrap_err();
     assert_told(&error, "E0213 where run = 'c'", "'a', 'b'");
     let missing = ReadOptions {
-        map: TelemetryMap::of(Vec::new(), vec![("runs".into(), "a".into())]),
+        map: map_of(Vec::new(), vec![("runs".into(), "a".into())]),
         ..ReadOptions::default()
     };
     let text = "run,time_s,omega_x\na,0,1\na,1,2\n";
@@ -94,7 +94,7 @@ fn unit_files_of_a_segment_keep_their_time_bases() {
     assert_eq!(table.sources.len(), 2);
     let runs = folder.file("runs.csv", "run,time_s,omega_z\na,0,1\nb,0,2\nb,1,3\n");
     let filtered = ReadOptions {
-        map: TelemetryMap::of(Vec::new(), vec![("run".into(), "b".into())]),
+        map: map_of(Vec::new(), vec![("run".into(), "b".into())]),
         ..ReadOptions::default()
     };
     let table = read(&[&runs, &wheels], &filtered).unwrap();

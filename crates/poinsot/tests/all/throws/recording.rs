@@ -121,11 +121,11 @@ pub fn read_recording(folder: &Path, model: &Model, log: &Log, filtered: bool) -
     let acceleration = [("acc_x", "ax"), ("acc_y", "ay"), ("acc_z", "az")];
     let added = acceleration.map(|(channel, column)| ColumnMap::new(channel, column, "m/s2"));
     let columns = model.telemetry.all.columns.iter().cloned().chain(added);
+    let mut map = TelemetryMap::default();
+    map.all.columns = columns.collect();
+    map.all.row_filter = vec![("log".to_owned(), log.name.clone())];
     let options = ReadOptions {
-        map: TelemetryMap::of(
-            columns.collect(),
-            vec![("log".to_owned(), log.name.clone())],
-        ),
+        map,
         ..ReadOptions::default()
     };
     let table = read(&[folder.join("throws.parquet")], &options).unwrap();
