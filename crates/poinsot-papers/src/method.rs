@@ -14,8 +14,6 @@ pub struct Method {
     pub summary: &'static str,
     /// Citation.
     pub citation: &'static str,
-    /// Number of numbered equations, tables and figures in the paper; its page has a row for each.
-    pub numbered: [usize; 3],
     /// Variants; the first is the default.
     pub variants: fn() -> Vec<VariantText>,
     /// Settings for `--set`.

@@ -87,7 +87,6 @@ pub static METHOD: Method = Method {
     name: "kim2010",
     summary: "inertia of one body from the momentum of its wheels, attitude and rates",
     citation: "Kim, Choi, Oh, J. Astron. Space Sci. 27(4), 2010, doi 10.5140/JASS.2010.27.4.353",
-    numbered: [17, 3, 4],
     variants: Variant::texts,
     settings: &[],
     reads_accelerations: false,

@@ -82,7 +82,6 @@ pub static METHOD: Method = Method {
     name: "ma2008",
     summary: "mass, mass centre and inertia of the base from the motion of a known arm",
     citation: "Ma, Dang, Pham, J. Guidance Control Dynamics 31(6), 2008, doi 10.2514/1.35188",
-    numbered: [45, 1, 14],
     variants: Variant::texts,
     settings: &[],
     reads_accelerations: false,

@@ -107,7 +107,6 @@ pub static METHOD: Method = Method {
     name: "xu2017",
     summary: "every body of an arm, joint after joint, from thrust and conserved momentum",
     citation: "Xu, Hu, Zhang, Liang, Acta Astronautica, 2017",
-    numbered: [75, 13, 13],
     variants: Variant::texts,
     settings: settings::SETTINGS,
     reads_accelerations: true,
