@@ -1,6 +1,6 @@
 //! `poinsot design`
 
-use super::{Outcome, exit_of, noted, print_document, print_result, print_styled, shown};
+use super::{Outcome, ended, print_styled};
 use crate::arguments::Design;
 use poinsot::case::read_case;
 use poinsot::check_outputs;
@@ -38,13 +38,8 @@ pub fn run(arguments: &Design) -> Outcome {
         Some(folder) => write_design(folder, &mut designed, &case.model)?,
         None => Vec::new(),
     };
-    shown(
-        &arguments.print,
-        || print_result(&designed.file),
-        || print_document(&design_document(&designed.file)),
-    );
-    noted(&written, arguments.print.quiet);
-    Ok(exit_of(designed.passes()))
+    let end = (written.as_slice(), designed.passes());
+    ended(&arguments.print, &designed.file, design_document, end)
 }
 
 /// A better manoeuvre as a line of JSON.

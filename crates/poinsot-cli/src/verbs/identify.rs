@@ -1,6 +1,6 @@
 //! `poinsot identify`
 
-use super::{Outcome, command_line, exit_of, formats, noted, print_document, print_result, shown};
+use super::{Outcome, command_line, ended, formats};
 use crate::arguments::Identify;
 use poinsot::{
     Coordinates, Error, IDENTIFY_MIB, IdentifyRequest, Modes, Question, Reading, check_outputs,
@@ -62,19 +62,13 @@ pub fn run(arguments: &Identify) -> Outcome {
         }
         None => Vec::new(),
     };
-    shown(
-        &arguments.print,
-        || print_result(&estimate_file(&identified)),
-        || {
-            let detail = match arguments.verbose {
-                true => Detail::Everything,
-                false => Detail::Answer,
-            };
-            print_document(&estimate_document(&estimate_file(&identified), detail));
-        },
-    );
-    noted(&written, arguments.print.quiet);
-    Ok(exit_of(identified.passes()))
+    let detail = match arguments.verbose {
+        true => Detail::Everything,
+        false => Detail::Answer,
+    };
+    let (file, passes) = (estimate_file(&identified), identified.passes());
+    let document = |file: &_| estimate_document(file, detail);
+    ended(&arguments.print, &file, document, (&written, passes))
 }
 
 /// Without a model: a file that does not exist, or the command that drafts one.

@@ -120,6 +120,19 @@ pub fn shown(how: &Print, json: impl FnOnce(), text: impl FnOnce()) {
     }
 }
 
+/// Shows a result, lists the written files, and gives the exit code.
+pub fn ended<T: ResultFile>(
+    how: &Print,
+    file: &T,
+    document: impl FnOnce(&T) -> Document,
+    (written, passes): (&[PathBuf], bool),
+) -> Outcome {
+    let text = || print_document(&document(file));
+    shown(how, || print_result(file), text);
+    noted(written, how.quiet);
+    Ok(exit_of(passes))
+}
+
 /// Lists the written files: on standard error, or as JSON on standard output.
 pub fn written(paths: &[PathBuf], json: bool, quiet: bool) {
     match json {

@@ -1,6 +1,6 @@
 //! `poinsot validate`
 
-use super::{Outcome, exit_of, noted, print_document, print_result, shown};
+use super::{Outcome, ended};
 use crate::arguments::Validate;
 use poinsot::validate::{ValidateRequest, validate, write_validation};
 use poinsot::{check_outputs, segment_files};
@@ -40,11 +40,6 @@ pub fn run(arguments: &Validate) -> Outcome {
         None => Vec::new(),
     };
     let file = &validation.file;
-    shown(
-        &arguments.print,
-        || print_result(file),
-        || print_document(&validation_document(file)),
-    );
-    noted(&written, arguments.print.quiet);
-    Ok(exit_of(file.passes()))
+    let end = (written.as_slice(), file.passes());
+    ended(&arguments.print, file, validation_document, end)
 }
