@@ -22,13 +22,9 @@ const UNITS_1: [(&str, &str); 10] = [
 /// `estimate/1`: vectors and tensors were tables of value, sigma, nominal and source; names had no unit, or a unit
 /// suffix.
 pub(crate) fn estimate_1(file: &mut Value) {
-    let bodies = file.get_mut("bodies").and_then(Value::as_object_mut);
-    let base = bodies.as_ref().and_then(|b| b.keys().next().cloned());
-    for body in bodies.into_iter().flat_map(Map::values_mut) {
-        body_1(body);
-    }
-    list(file, "system").for_each(body_1);
-    list(file, "momentum").for_each(momentum_1);
+    let bodies = file.get("bodies").and_then(Value::as_object);
+    let base = bodies.and_then(|b| b.keys().next().cloned());
+    bodies_1(file);
     rename(file.get_mut("nuisance"), nuisance_1);
     addresses_1(file);
     let reference = ReferenceFile::of_base(&base.unwrap_or_default());
@@ -39,17 +35,21 @@ pub(crate) fn estimate_1(file: &mut Value) {
 
 /// `truth/1`: as `estimate/1`, with values only. Sensor errors, listed by unit, are dropped.
 pub(crate) fn truth_1(file: &mut Value) {
-    let bodies = file.get_mut("bodies").and_then(Value::as_object_mut);
-    for body in bodies.into_iter().flat_map(Map::values_mut) {
-        body_1(body);
-    }
-    list(file, "system").for_each(body_1);
-    list(file, "momentum").for_each(momentum_1);
+    bodies_1(file);
     if let Some(file) = file.as_object_mut() {
         // Version 1 has null if a case without samples has no start.
         file.retain(|_, value| !value.is_null());
         file.remove("noise");
     }
+}
+
+/// Bodies, the whole, and momentum.
+fn bodies_1(file: &mut Value) {
+    let bodies = file.get_mut("bodies").and_then(Value::as_object_mut);
+    let bodies = bodies.into_iter().flat_map(Map::values_mut);
+    bodies.for_each(body_1);
+    list(file, "system").for_each(body_1);
+    list(file, "momentum").for_each(momentum_1);
 }
 
 fn list<'v>(file: &'v mut Value, key: &str) -> impl Iterator<Item = &'v mut Value> {
