@@ -33,8 +33,13 @@ pub struct Kinematics<T = f64> {
 impl Kinematics {
     /// Scratch for a tree, placed at joint positions zero and at rest.
     pub fn new(tree: &Tree) -> Self {
+        Self::at(tree, &vec![0.0; tree.dof()])
+    }
+
+    /// Every body at joint positions `q` (rad or m, one per coordinate of the tree), at rest.
+    pub fn at(tree: &Tree, q: &[f64]) -> Self {
         let mut kinematics = Self::over(tree, 0.0);
-        kinematics.place(tree, &vec![0.0; tree.dof()]);
+        kinematics.place(tree, q);
         kinematics
     }
 }

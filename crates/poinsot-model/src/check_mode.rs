@@ -135,8 +135,7 @@ impl Check<'_, '_> {
             return;
         }
         let vehicle = Vehicle::from(&*model);
-        let mut kinematics = Kinematics::new(&vehicle.tree);
-        kinematics.place(&vehicle.tree, &vehicle.locked_at);
+        let kinematics = Kinematics::at(&vehicle.tree, &vehicle.locked_at);
         let whole = composite(&vehicle.bodies, &kinematics);
         let declared = all(&self.file.mode).len();
         for own in model.modes.iter_mut().skip(declared) {

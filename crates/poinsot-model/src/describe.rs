@@ -176,8 +176,7 @@ fn describe_sensor(model: &Model, s: &Sensor) -> SensorDescription {
 /// Mass, mass centre and principal moments of the whole vehicle, joints at their locked positions.
 fn whole(model: &Model) -> (f64, SystemDescription) {
     let vehicle = Vehicle::from(model);
-    let mut kinematics = Kinematics::new(&vehicle.tree);
-    kinematics.place(&vehicle.tree, &vehicle.locked_at);
+    let kinematics = Kinematics::at(&vehicle.tree, &vehicle.locked_at);
     let whole = composite(&vehicle.bodies, &kinematics);
     let properties = whole.mass_properties();
     let system = SystemDescription {

@@ -59,8 +59,7 @@ pub(crate) fn put(
     }
     estimate.add(difference_row(worst, problem.relative_accuracy.min(APART)));
     if let Some((system, q)) = &mut estimate.system {
-        let mut kinematics = Kinematics::new(problem.tree);
-        kinematics.place(problem.tree, q);
+        let kinematics = Kinematics::at(problem.tree, q);
         *system = replaced(
             system,
             &composite(bodies, &kinematics).parameters(),

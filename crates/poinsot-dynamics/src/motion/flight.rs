@@ -222,8 +222,7 @@ fn allocate(tree: &Tree, plan: &Plan) -> Result<Vec<Vector3>, MotionError> {
         return Err(MotionError::Control(what));
     }
     let q: Vec<f64> = plan.joints.iter().map(JointDrive::first_position).collect();
-    let mut kinematics = Kinematics::new(tree);
-    kinematics.place(tree, &q);
+    let kinematics = Kinematics::at(tree, &q);
     let rotors = tree.rotors.iter().zip(&plan.wheels);
     let axes: Vec<Vector3> = rotors
         .filter(|(_, wheel)| limits(wheel).is_some())

@@ -58,8 +58,7 @@ impl Here {
 
     /// A point of a body.
     fn point(&self, tree: &Tree, body: usize, p_BioP_Bi: &Vector3) -> PointMotion {
-        let mut kinematics = Kinematics::new(tree);
-        kinematics.place(tree, &self.q);
+        let mut kinematics = Kinematics::at(tree, &self.q);
         kinematics.set_velocities(tree, &self.twist.v, &self.twist.w, &self.rates);
         PointMotion::new(&kinematics, body, p_BioP_Bi)
     }
@@ -224,8 +223,7 @@ fn exact_slopes_over_joints_are_differences() {
 #[test]
 fn exact_effects_of_a_joint_are_differences() {
     let (tree, here) = (chain(), Here::new());
-    let mut kinematics = Kinematics::new(&tree);
-    kinematics.place(&tree, &here.q);
+    let mut kinematics = Kinematics::at(&tree, &here.q);
     kinematics.set_velocities(&tree, &here.twist.v, &here.twist.w, &here.rates);
     for body in 1..tree.bodies() {
         let point = PointMotion::new(&kinematics, body, &Placed::PLACE);

@@ -130,8 +130,7 @@ fn equations(vehicle: &Vehicle, state: &FlexibleState, [q, rates, wheels]: [&[f6
         (q[joint.coordinate], rates[joint.coordinate]) = (state.internal[2 * k], 0.0);
     }
     let none = Vector3::zeros();
-    let mut kinematics = Kinematics::new(tree);
-    kinematics.place(tree, &q);
+    let mut kinematics = Kinematics::at(tree, &q);
     kinematics.set_velocities(tree, &none, &none, &rates);
     let (whole, joints) = composite_and_momentum(&vehicle.bodies, &kinematics);
     let h = wheel_momentum(tree, &kinematics, &vehicle.spin_inertia, wheels);

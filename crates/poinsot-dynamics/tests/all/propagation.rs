@@ -41,8 +41,7 @@ impl Rates for Pushed {
 
 impl Driven<'_> {
     fn locked(&self, [q, rates, wheel_speed]: Inputs<'_>) -> LockedVehicle {
-        let mut kinematics = Kinematics::new(self.tree);
-        kinematics.place(self.tree, q);
+        let mut kinematics = Kinematics::at(self.tree, q);
         kinematics.set_velocities(self.tree, &Vector3::zeros(), &Vector3::zeros(), rates);
         let mut joints = momentum(self.bodies, &kinematics);
         let wheels = wheel_momentum(self.tree, &kinematics, self.spin, wheel_speed);

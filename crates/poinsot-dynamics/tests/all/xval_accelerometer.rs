@@ -55,8 +55,7 @@ fn xval_accelerometer_is_that_of_mujoco() {
             .map(|b| b.nominal.parameters())
             .collect();
         let s = &case.state;
-        let mut kinematics = Kinematics::new(&tree);
-        kinematics.place(&tree, &s.q);
+        let mut kinematics = Kinematics::at(&tree, &s.q);
         kinematics.set_velocities(&tree, &s.v_NBo_B, &s.w_NB_B, &s.qd);
         let mut body = Accelerations::new(&tree);
         body.set_without_base(&tree, &kinematics, &s.qd, &record.qdd);

@@ -183,8 +183,7 @@ fn exact_generalised_jacobian_moves_the_tip_without_momentum() {
             .map(|b| b.nominal.parameters())
             .collect();
         let rates = &case.state.qd;
-        let mut kinematics = Kinematics::new(&tree);
-        kinematics.place(&tree, &case.state.q);
+        let mut kinematics = Kinematics::at(&tree, &case.state.q);
         let mut matrix = MassMatrix::new(&tree);
         matrix.set(&tree, &parameters, &kinematics);
         let factor = matrix.H_b.cholesky().unwrap();
@@ -234,8 +233,7 @@ fn exact_prescribed_joints_move_like_those_that_a_force_drives_there() {
             .map(|b| b.nominal.parameters())
             .collect();
         let s = &case.state;
-        let mut kinematics = Kinematics::new(&tree);
-        kinematics.place(&tree, &s.q);
+        let mut kinematics = Kinematics::at(&tree, &s.q);
         kinematics.set_velocities(&tree, &s.v_NBo_B, &s.w_NB_B, &s.qd);
         let mut dynamics = ForwardDynamics::new(&tree);
         let mut found = vec![0.0; tree.dof()];

@@ -139,8 +139,7 @@ fn thrust(problem: &Problem, roles: &Roles, step: &StepReport) -> Vec<String> {
             if idle.len() == 1 { "its" } else { "their" }
         ));
     }
-    let mut kinematics = Kinematics::new(problem.tree);
-    kinematics.place(problem.tree, &roles.normal);
+    let kinematics = Kinematics::at(problem.tree, &roles.normal);
     let lever = largest(firings().map(|f| {
         let thruster = &thrusters[f.thruster];
         let R = &kinematics.R[thruster.body];

@@ -95,8 +95,7 @@ pub fn path_sensitivity(
 ) -> Option<Vec<f64>> {
     let moved = [Motion::Revolute(joint), Motion::Prismatic(joint)];
     let child = tree.links.iter().position(|l| moved.contains(&l.motion))?;
-    let mut kinematics = Kinematics::new(tree);
-    kinematics.place(tree, normal);
+    let mut kinematics = Kinematics::at(tree, normal);
     let (R, p) = (kinematics.R[child], kinematics.p[child]);
     let total = composite(bodies, &kinematics).parameters();
     let compose =

@@ -152,8 +152,7 @@ struct Work<'a> {
 /// ```
 pub fn sequence(problem: &Problem, order: Order, solver: &Solver) -> Result<Found, Faults> {
     let roles = roles(problem)?;
-    let mut normal = Kinematics::new(problem.tree);
-    normal.place(problem.tree, &roles.normal);
+    let normal = Kinematics::at(problem.tree, &roles.normal);
     let nominal = problem.model.bodies.iter().map(|b| b.nominal.parameters());
     let mut work = Work {
         problem,

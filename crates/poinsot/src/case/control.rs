@@ -124,8 +124,7 @@ impl Planner<'_> {
     fn locked_inertia(&self) -> Matrix3 {
         let tree = &self.tree;
         let locked = (0..tree.dof()).map(|k| self.joint(k).standing_at());
-        let mut kinematics = Kinematics::new(tree);
-        kinematics.place(tree, &locked.collect::<Vec<_>>());
+        let kinematics = Kinematics::at(tree, &locked.collect::<Vec<_>>());
         composite(&self.model.nominal_parameters(), &kinematics).I_SScm_B()
     }
 }

@@ -93,11 +93,10 @@ fn true_system(
 ) -> Option<TrueBodyFile> {
     let (_, position) = identified.estimate.system.as_ref()?;
     let tree = Tree::new(&identified.model);
-    let mut kinematics = Kinematics::new(&tree);
     if position.len() != tree.dof() {
         return None;
     }
-    kinematics.place(&tree, position);
+    let kinematics = Kinematics::at(&tree, position);
     let model = identified.model.bodies.iter();
     let parameters = model.map(|b| Some(properties(&bodies.get(&b.name)?.mass).parameters()));
     let whole = composite(&parameters.collect::<Option<Vec<_>>>()?, &kinematics);

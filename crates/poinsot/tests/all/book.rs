@@ -24,8 +24,7 @@ fn exact_book_state() {
         Vector3::new(0.01, -0.02, 0.03),
         Vector3::new(0.04, 0.05, -0.06),
     );
-    let mut kinematics = Kinematics::new(&tree);
-    kinematics.place(&tree, &q);
+    let mut kinematics = Kinematics::at(&tree, &q);
 
     // Momentum of the joint motion with the base at rest: c(q, q').
     kinematics.set_velocities(&tree, &Vector3::zeros(), &Vector3::zeros(), &rates);

@@ -125,8 +125,7 @@ pub fn system(truth: &Model, answer: &Identified) -> Vec<f64> {
         return Vec::new();
     };
     let tree = Tree::new(truth);
-    let mut kinematics = Kinematics::new(&tree);
-    kinematics.place(&tree, position);
+    let kinematics = Kinematics::at(&tree, position);
     let pi: Vec<InertialParameters> = truth
         .bodies
         .iter()
