@@ -11,7 +11,7 @@ use poinsot::case::{Case, Design, Form, Objective, Scenario, Want};
 use poinsot::simulate::{run, simulate_exact_of};
 use poinsot_dynamics::Tree;
 use poinsot_formats::ACTIVE;
-use poinsot_identify::{Information, WantedTerm};
+use poinsot_identify::{Information, ROUGH, WantedTerm};
 use poinsot_model::Model;
 use poinsot_solve::{Minimax, Values};
 use rayon::prelude::*;
@@ -179,7 +179,7 @@ impl Question {
         let bound = bind(model, &tree, &[exact.table])?;
         let problem = bound.problem(model, &tree);
         let priors = self.design.priors;
-        let information = Information::roughly(&problem, priors, thinned)?;
+        let information = Information::of(&problem, priors, (ROUGH, thinned))?;
         let terms: Vec<Vec<WantedTerm>> = self.wants.iter().map(|w| w.terms.clone()).collect();
         Ok(Flight {
             covariance: information.covariance(&terms),

@@ -8,7 +8,7 @@ use crate::watch::fine_times;
 use poinsot::Error;
 use poinsot::case::{Case, Want};
 use poinsot::predict::{covariance_name, wanted_sigma};
-use poinsot::trials::{Band, Row, Study};
+use poinsot::trials::{Band, Bound, Row, Study};
 use poinsot_files::{check_memory, check_time};
 use poinsot_formats::{Address, DesignVerificationFile, VerifiedNumberFile, address};
 use poinsot_identify::Estimate;
@@ -107,7 +107,7 @@ fn flight(case: &Case, question: &Question, k: u64) -> Outcome {
     let mut study = Study::of_case(case, &truth, without_priors(model)).map_err(words)?;
     study.diagnose = false;
     let predicted = study.predicted().map_err(words)?;
-    let row = study.trial(k);
+    let row = study.trial(k, &Bound::new());
     let answer = row.answer()?;
     let ratio = |want: &Want| {
         let sigma = wanted_sigma(&predicted, want);

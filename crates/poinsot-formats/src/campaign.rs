@@ -90,13 +90,6 @@ impl MethodResultFile {
         (self.failed.value.unwrap_or(0.0) * self.trials as f64).round() as u64
     }
 
-    /// The first failed trials, and statistics outside their 99.9 % bands. Empty if the stated uncertainty is correct.
-    pub fn faults(&self) -> Vec<String> {
-        let failed = |(trial, why): &(u64, String)| format!("trial {trial} failed: {why}");
-        let failed = self.failures.iter().map(failed);
-        failed.chain(self.outside(false)).collect()
-    }
-
     /// Number of failed trials, and of statistics outside their bands.
     pub fn fault_count(&self) -> u64 {
         self.failure_count() + self.outside(false).len() as u64
@@ -112,7 +105,7 @@ impl MethodResultFile {
     }
 
     /// Statistics outside their 99.9 % bands, which `required` widens to the requirements.
-    fn outside(&self, required: bool) -> Vec<String> {
+    pub fn outside(&self, required: bool) -> Vec<String> {
         let mut list = Vec::new();
         let mut judge = |name: &str, x: Option<f64>, band: Band| {
             // A number that a method does not state is not a failure.

@@ -99,7 +99,7 @@ pub use diagnosis::{
     ChannelDiagnosis, Diagnostics, FaultKind, Finding, HeldOut, MomentumDrift, SensorLag,
     SpectralLine, Suspect, SuspectValue,
 };
-pub use evaluation::wanted::{Information, WantedTerm};
+pub use evaluation::wanted::{Information, ROUGH, WantedTerm};
 pub use evaluation::{EvaluatedUnknown, Evaluation, Evaluator, SensorResiduals};
 pub use fit::sampled_motion::{InputSample, JointMotion};
 pub use likelihood::impulse::{Impulse, Impulses, thrust_impulses};

@@ -10,7 +10,7 @@ pub use poinsot_formats::{Band, BandedFile};
 pub(crate) use row::estimated_numbers;
 pub use row::{Nees, Row, RowNumber, judged};
 pub(crate) use sums::position;
-pub use sums::{NumberSums, OUTSIDE, Sums, statistics};
+pub use sums::{NumberSums, OUTSIDE, Sums};
 
 use crate::bind::{RELATIVE_ACCURACY, solve};
 use crate::case::Case;
@@ -18,7 +18,6 @@ use crate::channel_names::names;
 use crate::error::Error;
 use crate::identify::{Question, estimate_by};
 use crate::mass_numbers::names as mass_names;
-use crate::progress::{TRIALS, step};
 use crate::simulate::{Exact, keep_measured, scalar_errors, simulate_exact, stream};
 use poinsot_dynamics::{Instrument, Tree};
 use poinsot_formats::address;
@@ -26,10 +25,7 @@ use poinsot_identify::{Estimate, Problem, axis_name, cramer_rao, predicted_covar
 use poinsot_model::{Axes, Model, Sensor};
 use poinsot_spatial::MassProperties;
 use poinsot_telemetry::Table;
-use rayon::prelude::*;
 use std::collections::HashMap;
-use std::ops::Range;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Sigmas of the Cramer-Rao bound by address; empty if it does not exist.
 pub type Bound = HashMap<String, f64>;
@@ -126,12 +122,8 @@ impl Study {
         (tables, biases)
     }
 
-    /// Runs one trial.
-    pub fn trial(&self, number: u64) -> Row {
-        self.trial_beside(number, &Bound::new())
-    }
-
-    fn trial_beside(&self, number: u64, bound: &Bound) -> Row {
+    /// Runs one trial; its row has the bounds given.
+    pub fn trial(&self, number: u64, bound: &Bound) -> Row {
         let (tables, biases) = self.draw(number);
         let found = self.estimate(&tables, &self.question, self.diagnose);
         let found = found.map_err(|error| error.to_string());
@@ -150,19 +142,6 @@ impl Study {
     ) -> Result<Estimate, Error> {
         let by = |problem: &Problem| estimate_by(problem, question, diagnose);
         solve(&self.model, tables, question.relative_accuracy, by)
-    }
-
-    /// Runs trials in parallel; the rows are in order of their numbers, each with the bound.
-    pub fn run(&self, trials: Range<u64>) -> Vec<Row> {
-        let total = usize::try_from(trials.end.saturating_sub(trials.start)).unwrap_or(usize::MAX);
-        let (done, bound) = (AtomicUsize::new(0), self.bound_sigmas());
-        step(TRIALS, 0, total);
-        let run = |n| {
-            let row = self.trial_beside(n, &bound);
-            step(TRIALS, done.fetch_add(1, Ordering::Relaxed) + 1, total);
-            row
-        };
-        trials.into_par_iter().map(run).collect()
     }
 
     /// The Cramer-Rao bound of the experiment at the true values.
@@ -197,19 +176,15 @@ impl Study {
         model
     }
 
-    pub(crate) fn bound_sigmas(&self) -> Bound {
+    /// Sigmas of the Cramer-Rao bound; empty if it does not exist.
+    pub fn bound_sigmas(&self) -> Bound {
         let numbers = self.bound().map(|bound| estimated_numbers(&bound));
         let numbers = numbers.unwrap_or_default().into_iter();
         numbers.filter_map(|n| Some((n.name, n.sigma?))).collect()
     }
 
-    /// True mass properties and the biases from [`Self::draw`], without an estimate.
-    pub fn true_numbers(&self, biases: &[Vec<f64>]) -> Vec<RowNumber> {
-        self.expected(biases, &Bound::new())
-    }
-
-    /// The true numbers with their bounds.
-    pub(crate) fn expected(&self, biases: &[Vec<f64>], bound: &Bound) -> Vec<RowNumber> {
+    /// True mass properties and the biases from [`Self::draw`], with their bounds and without an estimate.
+    pub fn expected(&self, biases: &[Vec<f64>], bound: &Bound) -> Vec<RowNumber> {
         let mut all = Vec::new();
         let mut add = |name: String, truth| {
             all.push(RowNumber {

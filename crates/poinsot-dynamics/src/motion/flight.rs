@@ -177,11 +177,6 @@ impl<'p> Flight<'p> {
         })
     }
 
-    /// The kinematic constants.
-    pub fn tree(&self) -> &Tree {
-        &self.vehicle.tree
-    }
-
     /// Takes the axial inertia of the wheels whose absolute momentum is a state off their hosts.
     pub(crate) fn reduce(&self, bodies: &mut [InertialParameters]) {
         let rotors = self.vehicle.tree.rotors.iter();

@@ -831,11 +831,6 @@ impl ModeRows {
         }
     }
 
-    /// The same with a number of the internal state.
-    pub fn rate_over_internal(&self, number: usize) -> [f64; INTERNAL] {
-        self.internal[number]
-    }
-
     /// Change of the rate of a number of pose, momenta and internal state with another of them, where one of the two is internal.
     pub fn slope(&self, row: usize, column: usize) -> f64 {
         match (row.checked_sub(STATE), column.checked_sub(STATE)) {

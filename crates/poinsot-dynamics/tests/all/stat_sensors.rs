@@ -63,7 +63,7 @@ fn instant() -> (Tree, MotionSample) {
     vehicle
         .run(&start, &[0.0, 1.5], |s| sample = Some(s.clone()))
         .unwrap();
-    (vehicle.tree().clone(), sample.unwrap())
+    (Tree::new(&model), sample.unwrap())
 }
 
 /// A covariance that is not diagonal.

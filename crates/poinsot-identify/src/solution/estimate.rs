@@ -111,11 +111,6 @@ impl Estimate {
         rows.any(|row| row.effect.is_against_answer())
     }
 
-    /// Factor by which the sigmas were multiplied.
-    pub fn sigma_factor(&self) -> f64 {
-        evidence::sigma_factor(&self.remarks)
-    }
-
     /// Whether a covariance is stated without evidence against it.
     pub fn covariance_trustworthy(&self) -> bool {
         self.states_covariance && !self.is_doubted()

@@ -129,12 +129,12 @@ impl Row {
     }
 }
 
-/// Compares an estimate with true numbers, as from [`super::Study::true_numbers`].
+/// Compares an estimate with true numbers, as from [`super::Study::expected`].
 ///
 /// ```
 #[doc = include_str!("../../doc/answer.txt")]
 /// let study = trials::Study::of_case(&case, &model.clone(), model)?;
-/// let judged = trials::judged(&identified.estimate, &study.true_numbers(&[]));
+/// let judged = trials::judged(&identified.estimate, &study.expected(&[], &Default::default()));
 /// let number = judged.number("bus.inertia_kg_m2.zz").unwrap();
 /// assert_eq!(number.error().unwrap(), number.estimate.unwrap() - 2.5);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -10,21 +10,6 @@ const NAMED: [usize; 2] = [100, 10];
 /// Probability outside an interval of a result.
 pub const OUTSIDE: f64 = 0.05;
 
-/// Statistics of rows of one method.
-///
-/// ```
-#[doc = include_str!("../../doc/case.txt")]
-/// let study = trials::Study::of_case(&case, &model.clone(), model)?;
-/// let found = trials::statistics(&study.run(0..4));
-/// assert_eq!((found.trials, found.failure_count(), found.numbers.len()), (4, 0, 6));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn statistics(rows: &[Row]) -> MethodResultFile {
-    let mut sums = Sums::default();
-    rows.iter().for_each(|row| sums.add(row));
-    sums.result(OUTSIDE)
-}
-
 /// A count with a sum.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Squares {

@@ -5,8 +5,9 @@
 use crate::points;
 use crate::vehicle;
 
+use crate::shared::{faults, rows, statistics};
 use nalgebra::Matrix3;
-use poinsot::trials::{Study, statistics};
+use poinsot::trials::Study;
 use poinsot_formats::MethodResultFile;
 use poinsot_model::{Model, Sensor, SensorKind};
 use poinsot_report::statistics_document;
@@ -79,7 +80,7 @@ fn trials() -> u64 {
 fn judged(case: &Case, change: impl Fn(&mut Study)) -> MethodResultFile {
     let mut study = study(case);
     change(&mut study);
-    let result = statistics(&study.run(0..trials()));
+    let result = statistics(&rows(&study, 0..trials()));
     println!("{}", statistics_document("", &result));
     result
 }
@@ -88,7 +89,7 @@ fn judged(case: &Case, change: impl Fn(&mut Study)) -> MethodResultFile {
 fn assert_consistent(case: &Case) {
     let result = judged(case, |_| {});
     assert!(result.nees.is_some());
-    let faults = result.faults();
+    let faults = faults(&result);
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 

@@ -1,11 +1,12 @@
 //! Campaigns: sums independent of the way of running, error texts of plans, the engine against plain trials.
 
+use crate::shared::{rows, statistics};
 use poinsot::campaign::{
     CampaignRequest, Plan, ShardSums, campaign, campaign_in_memory, fold_shards, fold_sums, looks,
     made_plan, merge_campaign, parse_plan, run_shard,
 };
 use poinsot::explain::explain;
-use poinsot::trials::{OUTSIDE, statistics};
+use poinsot::trials::OUTSIDE;
 use poinsot_formats::{CampaignFile, PlanFile};
 use std::path::{Path, PathBuf};
 
@@ -113,7 +114,7 @@ fn exact_a_campaign_gives_the_numbers_of_plain_trials() {
     let ran = campaign(&plan, &request(folder.path(), false)).unwrap();
     let mut diagnosed = study.clone();
     diagnosed.diagnose = false;
-    let plain = statistics(&diagnosed.run(0..12));
+    let plain = statistics(&rows(&diagnosed, 0..12));
     let engine = &ran.result.unwrap().cells[0].methods[0];
     assert_eq!(engine.numbers.len(), plain.numbers.len());
     for (name, a) in &engine.numbers {

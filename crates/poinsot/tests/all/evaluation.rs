@@ -6,8 +6,8 @@ use nutation::{Cell, bus, study, study_of};
 use poinsot::bind::bind;
 use poinsot_dynamics::{SensorKind, Tree};
 use poinsot_identify::{
-    Evaluator, Firing, Information, Noise, Observations, Problem, Samples, Segment, SensorRecord,
-    SensorValue, WantedTerm, maximum_likelihood,
+    Evaluator, Firing, Information, Noise, Observations, Problem, ROUGH, Samples, Segment,
+    SensorRecord, SensorValue, WantedTerm, maximum_likelihood,
 };
 use poinsot_model::{EstimateSet, Model, Nuisance, RandomTorque};
 use poinsot_spatial::{UnitQuaternion, Vector3};
@@ -283,8 +283,8 @@ fn exact_rough_information_has_the_sigmas_of_the_whole() {
         };
         let sums: Vec<Vec<WantedTerm>> = wanted.iter().map(of_base).collect();
         let of = |i: Information| i.covariance(&sums).map_diagonal(f64::sqrt);
-        let whole = of(Information::of(&problem, false).unwrap());
-        let rough = of(Information::roughly(&problem, false, 1.0).unwrap());
+        let whole = of(Information::of(&problem, false, (1, 1.0)).unwrap());
+        let rough = of(Information::of(&problem, false, (ROUGH, 1.0)).unwrap());
         let ratio = rough.component_div(&whole);
         println!("{:.7}", ratio.transpose());
         let is_same = ratio.iter().all(|r| (r - 1.0).abs() < 1.0e-3);

@@ -1,5 +1,6 @@
 //! The table of evidence: every test of an answer, from which its reliability follows.
 
+use crate::shared::sigma_factor;
 use crate::trust::{Record, STSAT3, example, run, with_prior};
 use poinsot::case::read_case;
 use poinsot::simulate::simulate_case;
@@ -53,7 +54,7 @@ fn assert_rows_decide(answer: &Identified, expected: &[&str]) {
     );
     let factors = file.evidence.iter().filter_map(|row| row.sigma_factor);
     let largest = factors.fold(1.0, f64::max);
-    assert_eq!(e.sigma_factor(), largest);
+    assert_eq!(sigma_factor(e), largest);
     if !words.is_empty() && !file.is_withheld() {
         let widened = format!("sigmas are widened {largest:.1} times");
         assert!(
@@ -153,7 +154,7 @@ fn stat_a_prior_is_a_row_whether_it_agrees_or_not() {
         } else {
             assert_rows_decide(&answer, &["a prior contradicts the data"]);
             assert_eq!(row.effect, Effect::AgainstAnswer);
-            assert_eq!(row.sigma_factor, answer.estimate.sigma_factor());
+            assert_eq!(row.sigma_factor, sigma_factor(&answer.estimate));
         }
     }
 }

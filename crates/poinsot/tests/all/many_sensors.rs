@@ -1,11 +1,12 @@
 //! Several sensors of a kind on any body: gyros and star trackers of different quality on a tug and on its arm.
 
 use crate::shared::undiagnosed;
+use crate::shared::{faults, rows, statistics};
 use poinsot::Error;
 use poinsot::bind::{Bound, bind};
 use poinsot::case::{Case, parse_case};
 use poinsot::simulate::simulate_trial;
-use poinsot::trials::{Study, statistics};
+use poinsot::trials::Study;
 use poinsot::validate::{Mover, compare_with_telemetry};
 use poinsot_dynamics::Tree;
 use poinsot_identify::{Estimate, Number, Status, TENSOR};
@@ -297,9 +298,9 @@ fn exact_sensors_on_a_link_tell_of_the_base() {
 fn stat_two_gyros_and_two_trackers_are_calibrated() {
     let model = model(&[COARSE, SUN, FINE, STAR, SPEED, ON_ARM, ARM_STAR]);
     let study = study(&model);
-    let result = statistics(&study.run(0..60));
+    let result = statistics(&rows(&study, 0..60));
     assert!(result.nees.is_some());
-    let faults = result.faults();
+    let faults = faults(&result);
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
@@ -398,10 +399,10 @@ fn exact_a_direction_is_the_turned_reference() {
 fn stat_directions_without_a_tracker_are_calibrated() {
     let model = model(&[FINE, SUNLIGHT, FIELD, ARM_SUN, SPEED]);
     let study = study_of(&sensed(), &model);
-    let result = statistics(&study.run(0..60));
+    let result = statistics(&rows(&study, 0..60));
     println!("NEES {:?}", result.nees);
     assert!(result.nees.is_some());
-    let faults = result.faults();
+    let faults = faults(&result);
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
@@ -580,10 +581,10 @@ fn stat_a_camera_and_a_biased_encoder_are_calibrated() {
     println!("offset {sigma:.3e} rad, of the camera alone {expected:.3e} rad");
     let gap = (sigma / expected - 1.0).abs();
     assert!(gap < 2.0e-2, "{gap:e}");
-    let result = statistics(&study.run(0..60));
+    let result = statistics(&rows(&study, 0..60));
     println!("NEES {:?}", result.nees);
     assert!(result.nees.is_some());
-    let faults = result.faults();
+    let faults = faults(&result);
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
@@ -711,10 +712,10 @@ fn stat_optical_flow_is_calibrated() {
     let flow = ("flow", "velocity", 1.0e-3, more.as_str());
     let model = model(&[gyro, star, speed, encoder, rate, flow]);
     let study = study_of(&sensed(), &model);
-    let result = statistics(&study.run(0..60));
+    let result = statistics(&rows(&study, 0..60));
     println!("NEES {:?}", result.nees);
     assert!(result.nees.is_some());
-    let faults = result.faults();
+    let faults = faults(&result);
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 

@@ -11,7 +11,7 @@ use crate::faults::{Craft, off_nominal};
 use crate::tables::{self, processor_s};
 use mutation::{Class, Mutation};
 use poinsot::case::read_case;
-use poinsot::trials::{Study, judged};
+use poinsot::trials::{Bound, Study, judged};
 use poinsot::{Identified, Question, identify_tables};
 use poinsot_model::{Model, Origin, read_model};
 use poinsot_telemetry::{Table, check_conventions};
@@ -133,7 +133,7 @@ fn trial(all: &[Vehicle], number: u64) -> Trial {
     let start = processor_s();
     let (mut tables, biases) = vehicle.study.draw(number);
     let model = mutation.apply(&mut tables, &mut rng);
-    let truth = vehicle.study.true_numbers(&biases);
+    let truth = vehicle.study.expected(&biases, &Bound::new());
     let answer = as_read(model, tables);
     let (confident, worst, listed, said) = match &answer {
         Err(refused) => (false, 0.0, false, refused.clone()),

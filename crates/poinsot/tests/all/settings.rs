@@ -1,5 +1,6 @@
 //! Thresholds of the tests of an answer: each of them acts, and a value out of range is refused.
 
+use crate::shared::sigma_factor;
 use crate::trust::{STSAT3, example, with_prior};
 use poinsot::bind::bind;
 use poinsot::identify::read_options;
@@ -47,7 +48,7 @@ fn unit_the_limits_of_an_excess_decide() {
     };
     let wider = asked(&model, lenient).unwrap();
     assert_eq!(row(&wider, gyro).effect, Effect::WidensSigmas);
-    assert_eq!(wider.sigma_factor(), default.sigma_factor());
+    assert_eq!(sigma_factor(&wider), sigma_factor(&default));
     assert!(wider.passes(), "{:?}", wider.doubts());
     let blind = Settings {
         negligible_excess: 20.0,
@@ -55,7 +56,7 @@ fn unit_the_limits_of_an_excess_decide() {
     };
     let blind = asked(&model, blind).unwrap();
     assert_eq!(row(&blind, gyro).effect, Effect::None);
-    assert!(blind.sigma_factor() < default.sigma_factor());
+    assert!(sigma_factor(&blind) < sigma_factor(&default));
     let strict = Settings {
         negligible_excess: 20.0,
         white_excess: 20.0,

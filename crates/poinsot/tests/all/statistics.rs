@@ -3,14 +3,14 @@
 //! The full campaign is `poinsot campaign data/campaigns/NAME.toml --out DIR`.
 
 use crate::setups;
-use crate::shared::undiagnosed;
+use crate::shared::{faults, rows, statistics, undiagnosed};
 use poinsot_report::{prediction_document, statistics_document};
 
 use nalgebra::Matrix3;
 use poinsot::bind::bind;
 use poinsot::case::parse_case;
 use poinsot::predict::{predict, prediction_file};
-use poinsot::trials::{Band, Row, Study, statistics};
+use poinsot::trials::{Band, Bound, Row, Study};
 use poinsot_dynamics::Tree;
 use poinsot_formats::MethodResultFile;
 use poinsot_identify::{Estimate, Settings, Status, TENSOR, linear, maximum_likelihood_with};
@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 const FAST: u64 = 300;
 
 fn judge(study: &Study, trials: u64) -> MethodResultFile {
-    let result = statistics(&study.run(0..trials));
+    let result = statistics(&rows(study, 0..trials));
     println!("{}", statistics_document("", &result));
     result
 }
@@ -31,7 +31,7 @@ fn judge(study: &Study, trials: u64) -> MethodResultFile {
 fn assert_consistent(study: &Study, trials: u64) {
     let result = judge(study, trials);
     assert!(result.nees.is_some(), "no joint consistency was computed");
-    let faults = result.faults();
+    let faults = faults(&result);
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
@@ -144,7 +144,7 @@ fn stat_same_bits_on_any_number_of_threads() {
     let study = study("xu_target", 10);
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        pool.unwrap().install(|| study.run(0..8))
+        pool.unwrap().install(|| rows(&study, 0..8))
     };
     let one = on(1);
     assert_eq!(one, on(3));
@@ -155,7 +155,7 @@ fn stat_same_bits_on_any_number_of_threads() {
             .map(|n| (n.name.clone(), n.estimate, n.sigma))
             .collect()
     };
-    assert_eq!(found(&one[5]), found(&study.trial(5)));
+    assert_eq!(found(&one[5]), found(&study.trial(5, &Bound::new())));
 }
 
 #[test]
@@ -165,7 +165,7 @@ fn stat_a_wrong_declaration_is_caught() {
         sensor.noise_covariance = sensor.noise_covariance.map(|c| c * 1.5);
     }
     let result = judge(&study, 60);
-    assert!(!result.faults().is_empty());
+    assert!(!faults(&result).is_empty());
     assert!((result.chi2_per_dof.unwrap() - 1.5).abs() < 0.05);
 }
 
@@ -271,7 +271,7 @@ fn exact_the_linear_method_under_thrust_answers_noise_free_records() {
 fn stat_a_failed_trial_is_kept_and_named() {
     let mut study = study("tug_thrusters", 10);
     study.exact[0].channels.retain(|c| c.name != "omega_x");
-    let trials = study.run(0..3);
+    let trials = rows(&study, 0..3);
     let result = statistics(&trials);
     assert_eq!((result.failures.len(), result.failure_count()), (3, 3));
     assert!(result.failures[1].1.contains("E0301"));
@@ -299,7 +299,7 @@ fn xval_stsat3_bound_is_that_of_an_independent_computation() {
 fn exact_prediction_of_a_case_is_the_sigma_that_its_identification_states() {
     let case = example("cases/tug_thrusters.toml");
     let prediction = predict(&case, 1.0).unwrap();
-    let stated = study("tug_thrusters", 1).trial(7);
+    let stated = study("tug_thrusters", 1).trial(7, &Bound::new());
     let mass = stated.number("bus.mass_kg").unwrap();
     let predicted = prediction.bound.bodies[0].mass.sigma.unwrap();
     assert!((mass.sigma.unwrap() / predicted - 1.0).abs() < 0.02);

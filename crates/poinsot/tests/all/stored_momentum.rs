@@ -4,6 +4,7 @@
 //! (docs/validation/stored_momentum.md); `POINSOT_STORED=9,18@2` selects settings by momentum, and by rate.
 
 use crate::nutation;
+use crate::shared::rows;
 
 use nutation::{Cell, study, table};
 use poinsot::trials::Row;
@@ -36,7 +37,7 @@ struct Shown {
 
 impl Shown {
     fn of(cell: Cell, seeds: u64) -> Self {
-        let outcomes = study(cell).run(0..seeds);
+        let outcomes = rows(&study(cell), 0..seeds);
         if let Some(why) = outcomes.iter().find_map(|row| row.answer().err()) {
             println!("{cell:?}: {why}");
         }

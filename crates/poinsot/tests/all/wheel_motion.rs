@@ -1,5 +1,6 @@
 //! What wheels do between their samples: where the data can hardly tell, the sigmas hold the choice.
 
+use crate::shared::rows;
 use poinsot::case::parse_case;
 use poinsot::trials::{Band, Row, Study};
 use poinsot_model::read_model;
@@ -84,7 +85,7 @@ fn stat_a_wheel_motion_that_the_data_can_hardly_tell_is_in_the_sigmas() {
         let study = study(smooth);
         let predicted = study.predicted().unwrap().bodies[0].inertia;
         let bound = study.bound().unwrap().bodies[0].inertia;
-        let trials = study.run(0..TRIALS);
+        let trials = rows(&study, 0..TRIALS);
         let answers: Vec<&Row> = trials.iter().filter(|r| r.status.is_some()).collect();
         assert_eq!(answers.len() as u64, TRIALS);
         let band = Band::of_rms(TRIALS);

@@ -310,7 +310,8 @@ pub fn fly(model: &Model, flight: &Flight) -> Table {
         add(format!("r_{axis}"), &|s| s.p_NoBo_N[k]);
         add(format!("v_{axis}"), &|s| s.v_NBo_N[k]);
     }
-    for (k, &at) in vehicle.tree().coordinates.iter().enumerate() {
+    let tree = Tree::new(model);
+    for (k, &at) in tree.coordinates.iter().enumerate() {
         let joint = &model.joints[at];
         let unit = match joint.kind {
             JointKind::Prismatic => "m",
