@@ -11,6 +11,13 @@ pub struct Combination {
 }
 
 impl Combination {
+    fn led_by(lead: usize, others: impl Iterator<Item = (usize, f64)>) -> Self {
+        let lead = std::iter::once((lead, 1.0));
+        Self {
+            terms: lead.chain(others).collect(),
+        }
+    }
+
     /// Gradient over all unknowns.
     pub fn gradient(&self, unknowns: usize) -> Vec<f64> {
         let mut g = vec![0.0; unknowns];
@@ -80,32 +87,23 @@ pub fn split(open: &Mat<f64>, natural: &[f64], weight: &[f64]) -> Combinations {
         }
         pivots.push(row);
     }
-    let determined = (0..n)
-        .filter(|i| !pivots.contains(i))
-        .map(|i| {
-            let mut terms = vec![(i, 1.0)];
-            for (k, &p) in pivots.iter().enumerate() {
-                if basis[(i, k)].abs() > DROP {
-                    terms.push((p, -basis[(i, k)] * natural[i] / natural[p]));
-                }
-            }
-            Combination { terms }
-        })
-        .collect();
-    let open = pivots
-        .iter()
-        .enumerate()
-        .map(|(k, &p)| {
-            let mut terms = vec![(p, 1.0)];
-            for i in (0..n).filter(|i| *i != p) {
-                if basis[(i, k)].abs() > DROP {
-                    terms.push((i, basis[(i, k)] * natural[i] / natural[p]));
-                }
-            }
-            Combination { terms }
-        })
-        .collect();
-    Combinations { determined, open }
+    let share = |i: usize, (k, p): (usize, &usize)| {
+        let own = basis[(i, k)];
+        (own.abs() > DROP).then(|| own * natural[i] / natural[*p])
+    };
+    let determined = (0..n).filter(|i| !pivots.contains(i)).map(|i| {
+        let others = pivots.iter().enumerate();
+        let others = others.filter_map(|(k, p)| Some((*p, -share(i, (k, p))?)));
+        Combination::led_by(i, others)
+    });
+    let open = pivots.iter().enumerate().map(|(k, p)| {
+        let others = (0..n).filter(|i| i != p);
+        Combination::led_by(*p, others.filter_map(|i| Some((i, share(i, (k, p))?))))
+    });
+    Combinations {
+        determined: determined.collect(),
+        open: open.collect(),
+    }
 }
 
 fn largest(

@@ -17,13 +17,22 @@ use poinsot_files::significant;
 use poinsot_model::{EstimateSet, Model, rounded};
 use poinsot_spatial::{InertialParameters, Matrix3, PARAMETER_NAMES, Vector3};
 
-/// A change of the parameters that is unobservable by theory, if it is in the null space.
-struct Symmetry {
-    /// Move in the unknowns' own units.
-    step: Vec<f64>,
+/// A change of the parameters that is unobservable by theory, if it is in the null space: in the unknowns' own units, and in words.
+type Symmetry = (Vec<f64>, UnobservableCombination);
+
+/// A direction in words, without a path.
+fn in_words(
+    coefficients: Vec<(String, f64)>,
     text: String,
-    reason: String,
-    remedy: String,
+    [reason, remedy]: [String; 2],
+) -> UnobservableCombination {
+    UnobservableCombination {
+        coefficients,
+        text,
+        reason,
+        remedy,
+        walk: Vec::new(),
+    }
 }
 
 /// A candidate belongs to the null space if less than this share of it is outside.
@@ -46,11 +55,11 @@ pub(crate) fn unobservable_directions(
     let open = DMatrix::from_fn(open.nrows(), open.ncols(), |i, j| open[(i, j)]);
     let mut found: Vec<UnobservableCombination> = Vec::new();
     let mut spanned: Vec<DVector<f64>> = Vec::new();
-    for symmetry in symmetries(problem, solution) {
+    for (step, named) in symmetries(problem, solution) {
         if spanned.len() == open.ncols() {
             break;
         }
-        let z = symmetry.step.iter().zip(natural).map(|(s, u)| s / u);
+        let z = step.iter().zip(natural).map(|(s, u)| s / u);
         let z = DVector::from_iterator(open.nrows(), z);
         let inside = &open * open.tr_mul(&z);
         if (&z - &inside).norm() > INSIDE * z.norm() {
@@ -58,13 +67,7 @@ pub(crate) fn unobservable_directions(
         }
         if let Some(unit) = across(&inside, &spanned).try_normalize(NEW_DIRECTION * inside.norm()) {
             spanned.push(unit);
-            found.push(UnobservableCombination {
-                coefficients: named(solution, &symmetry.step),
-                text: symmetry.text,
-                reason: symmetry.reason,
-                remedy: symmetry.remedy,
-                walk: Vec::new(),
-            });
+            found.push(named);
         }
     }
     let rest = complement(&open, &spanned);
@@ -124,13 +127,13 @@ pub(crate) fn absent(parameters: &Parameters) -> Vec<UnobservableCombination> {
     };
     for (asked, body) in asked {
         let mut open = |number: String, what: &str, reason: &str, remedy: &str| {
-            all.push(UnobservableCombination {
-                text: format!("{number} cannot be determined"),
-                coefficients: vec![(format!("{body}.{what}"), 1.0)],
-                reason: reason.to_owned(),
-                remedy: remedy.to_owned(),
-                walk: Vec::new(),
-            });
+            let coefficients = vec![(format!("{body}.{what}"), 1.0)];
+            let text = format!("{number} cannot be determined");
+            all.push(in_words(
+                coefficients,
+                text,
+                [reason, remedy].map(str::to_owned),
+            ));
         };
         if asked.mass {
             open(
@@ -229,16 +232,19 @@ fn symmetries(problem: &Problem, solution: &Solution) -> Vec<Symmetry> {
     }
     if solution.explained.is_none() {
         let m = solution.of_data().natural.len();
-        let scale = |x: Vec<f64>| {
-            Symmetry {
-            step: x[..m].to_vec(),
-            text: "the common scale of all masses, first moments and inertias".to_owned(),
-            reason: "every force and momentum in the data is proportional to the unknowns: no known quantity sets their scale".to_owned(),
-            remedy: "fire a thruster of known force, turn a wheel of known spin inertia, or fix one body".to_owned(),
+        for mut step in [solution.x.clone(), solution.parameters.nominal_vector()] {
+            step.truncate(m);
+            let text = "the common scale of all masses, first moments and inertias";
+            let why = [
+                "every force and momentum in the data is proportional to the unknowns: no known quantity sets their scale",
+                "fire a thruster of known force, turn a wheel of known spin inertia, or fix one body",
+            ];
+            let coefficients = named(solution, &step);
+            list.push((
+                step,
+                in_words(coefficients, text.to_owned(), why.map(str::to_owned)),
+            ));
         }
-        };
-        list.push(scale(solution.x.clone()));
-        list.push(scale(solution.parameters.nominal_vector()));
     }
     list
 }
@@ -262,18 +268,18 @@ fn joint_symmetries(
     let joint = joint_name(model, child);
     let still = stopped_at(problem, child);
     let moves = moves(link, still.is_some(), [c, p, &joint]);
-    let (reason, remedy) = match (link.motion, still.is_some()) {
-        (Motion::Revolute(_) | Motion::Prismatic(_), false) => (
+    let why = match (link.motion, still.is_some()) {
+        (Motion::Revolute(_) | Motion::Prismatic(_), false) => [
             format!(
                 "mass on the axis of {joint} cannot be attributed to {c} or to {p} by any motion, thrust or joint torque"
             ),
             format!("fix one parameter of {c} or {p}, or declare a prior"),
-        ),
-        (Motion::Fixed | Motion::Free, _) => (
+        ],
+        (Motion::Fixed | Motion::Free, _) => [
             format!("{joint} is fixed"),
             format!("fix {c} or {p}, or declare a prior"),
-        ),
-        (_, true) => (format!("{joint} did not move"), format!("move {joint}")),
+        ],
+        (_, true) => [format!("{joint} did not move"), format!("move {joint}")],
     };
     let (R, at) = relative_place(tree, child, still.unwrap_or(0.0));
     let map = parameters_in_base(&R, &at);
@@ -286,12 +292,9 @@ fn joint_symmetries(
                 pi[parent][row] -= value * delta[k];
             }
         }
-        list.push(Symmetry {
-            step: as_unknowns(solution, &pi),
-            text,
-            reason: reason.clone(),
-            remedy: remedy.clone(),
-        });
+        let step = as_unknowns(solution, &pi);
+        let words = in_words(named(solution, &step), text, why.clone());
+        list.push((step, words));
     }
 }
 
@@ -299,44 +302,50 @@ fn joint_symmetries(
 fn moves(link: &Link, stands: bool, [c, p, joint]: [&str; 3]) -> Vec<(String, InertialParameters)> {
     let u = link.axis_C;
     let line = Matrix3::identity() - u * u.transpose();
+    let unit = |k| {
+        let mut pi = [0.0; 10];
+        pi[k] = 1.0;
+        InertialParameters::from_array(&pi)
+    };
     match (link.motion, stands) {
         (Motion::Revolute(_), false) => vec![
             (
-                format!("mass of {c} can be exchanged with mass of {p} (a point mass on the axis of {joint})"),
+                format!(
+                    "mass of {c} can be exchanged with mass of {p} (a point mass on the axis of {joint})"
+                ),
                 ten(1.0, Vector3::zeros(), Matrix3::zeros()),
             ),
             (
-                format!("first moment of {c} along the axis of {joint} can be exchanged with that of {p}"),
+                format!(
+                    "first moment of {c} along the axis of {joint} can be exchanged with that of {p}"
+                ),
                 ten(0.0, u, Matrix3::zeros()),
             ),
             (
-                format!("a line inertia on the axis of {joint} can be exchanged between {c} and {p}"),
+                format!(
+                    "a line inertia on the axis of {joint} can be exchanged between {c} and {p}"
+                ),
                 ten(0.0, Vector3::zeros(), line),
             ),
         ],
-        (Motion::Prismatic(_), false) => (0..6)
-            .map(|k| {
-                let mut pi = [0.0; 10];
-                pi[4 + k] = 1.0;
-                (
-                    format!(
-                        "inertia element {} of {c} can be exchanged with the inertia of {p} ({joint} slides without rotation)",
-                        PARAMETER_NAMES[4 + k]
-                    ),
-                    InertialParameters::from_array(&pi),
+        (Motion::Prismatic(_), false) => {
+            let words = |name: &str| {
+                format!(
+                    "inertia element {name} of {c} can be exchanged with the inertia of {p} ({joint} slides without rotation)"
                 )
-            })
-            .collect(),
-        _ => (0..10)
-            .map(|k| {
-                let mut pi = [0.0; 10];
-                pi[k] = 1.0;
-                (
-                    format!("{} of {c} can be exchanged with {p}: the two moved as one body", PARAMETER_NAMES[k]),
-                    InertialParameters::from_array(&pi),
-                )
-            })
-            .collect(),
+            };
+            (4..10)
+                .map(|k| (words(PARAMETER_NAMES[k]), unit(k)))
+                .collect()
+        }
+        _ => {
+            let words = |name: &str| {
+                format!("{name} of {c} can be exchanged with {p}: the two moved as one body")
+            };
+            (0..10)
+                .map(|k| (words(PARAMETER_NAMES[k]), unit(k)))
+                .collect()
+        }
     }
 }
 
@@ -402,17 +411,10 @@ fn in_numbers(
     combination: &Combination,
 ) -> UnobservableCombination {
     let m = solution.of_data().natural.len();
-    let (reason, remedy) = poor_motion(problem, solution);
-    UnobservableCombination {
-        text: format!(
-            "{} is an unobservable direction",
-            sentence(solution, combination)
-        ),
-        coefficients: named(solution, &combination.gradient(m)),
-        reason,
-        remedy,
-        walk: Vec::new(),
-    }
+    let coefficients = named(solution, &combination.gradient(m));
+    let words = sentence(solution, combination);
+    let text = format!("{words} is an unobservable direction");
+    in_words(coefficients, text, poor_motion(problem, solution))
 }
 
 /// Values along a path of all unknowns of each changed body; none if the path ended early.
@@ -439,7 +441,7 @@ pub(crate) fn values_along_path(
 }
 
 /// Why a direction without a closed form is unobservable: the rotation of the base.
-fn poor_motion(problem: &Problem, solution: &Solution) -> (String, String) {
+fn poor_motion(problem: &Problem, solution: &Solution) -> [String; 2] {
     let mut spread = Matrix3::zeros();
     let mut count = 0.0;
     for segment in problem.segments {
@@ -461,16 +463,16 @@ fn poor_motion(problem: &Problem, solution: &Solution) -> (String, String) {
     let weak = allowed.sigmas().get(allowed.rank).copied();
     let weak = weak.unwrap_or(f64::INFINITY);
     if rms[0] <= 3.0 * noise {
-        return (
+        return [
             format!(
                 "the base hardly rotated: {:.1e} rad/s rms, with gyro noise {noise:.1e} rad/s",
                 rms[0]
             ),
             "rotate the base about two axes with wheels, joints or thrusters".to_owned(),
-        );
+        ];
     }
     if rms[1] < 0.05 * rms[0] {
-        return (
+        return [
             format!(
                 "the base rotated about one axis only, n = ({:.3}, {:.3}, {:.3}) in body axes (transverse rate {:.1e} of the axial rate); the data determine only I n of the inertia tensor ({})",
                 axis.x,
@@ -480,15 +482,15 @@ fn poor_motion(problem: &Problem, solution: &Solution) -> (String, String) {
                 best_open(weak)
             ),
             "rotate about a second axis, as perpendicular to n as possible".to_owned(),
-        );
+        ];
     }
-    (
+    [
         format!(
             "the excitation is too small for the declared noise ({})",
             best_open(weak)
         ),
         "move more joints at once, rotate about more axes, or record longer".to_owned(),
-    )
+    ]
 }
 
 /// Sigma of the best undetermined direction.
