@@ -22,8 +22,8 @@ mod variation;
 mod vehicle;
 mod virtual_joints;
 
-pub(crate) use acceleration::BodyPoint;
 use acceleration::ForceScratch;
+pub(crate) use acceleration::{BodyPoint, Moved};
 pub(crate) use joint_scales::{cubic, joint_scales};
 pub(crate) use mass_loss::impulse_before;
 pub(crate) use poinsot_dynamics::propagation::{

@@ -105,7 +105,7 @@ struct Around<'s> {
 
 /// An input that is changed.
 #[derive(Clone, Copy)]
-enum Moved {
+pub(crate) enum Moved {
     Position(usize),
     Rate(usize),
     Acceleration(usize),
@@ -114,6 +114,28 @@ enum Moved {
 }
 
 impl Moved {
+    /// Step of a difference: the equations are quadratic over all but a position, and a step of one is exact.
+    fn step(self) -> f64 {
+        match self {
+            Self::Position(_) => JOINT_STEP,
+            _ => 1.0,
+        }
+    }
+
+    /// The inputs one step further, and one less.
+    fn both_ways<'e>(
+        self,
+        tree: &'e Tree,
+        inputs: &Inputs,
+        ends: &'e mut [Inputs; 2],
+    ) -> ([(&'e Tree, &'e Inputs); 2], f64) {
+        for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
+            end.copy(inputs);
+            self.shift(end, sign * self.step());
+        }
+        (ends.each_ref().map(|inputs| (tree, inputs)), self.step())
+    }
+
     fn shift(self, inputs: &mut Inputs, by: f64) {
         match self {
             Self::Position(j) => inputs.q[j] += by,
@@ -401,30 +423,19 @@ impl Motion<'_> {
     ) {
         let tree = self.vehicle.tree;
         for &(unknown, j, slope) in &inputs.acceleration_changes {
-            for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
-                end.copy(inputs);
-                Moved::Acceleration(j).shift(end, sign);
-            }
-            let both = ends.each_ref().map(|inputs| (tree, inputs));
-            self.add_change((unknown, slope), around, (both, 1.0), moving, columns);
+            let both = Moved::Acceleration(j).both_ways(tree, inputs, ends);
+            self.add_change((unknown, slope), around, both, moving, columns);
         }
         for change in &self.input_state.changes {
             let joint = change.joint.filter(|c| c.0 < tree.dof());
-            // Quadratic in rates and speeds, so that a step of one is exact; a small one over positions.
-            let position = joint.map(|(j, dq, _)| (dq, JOINT_STEP, Moved::Position(j)));
-            let rate = joint.map(|(j, _, drate)| (drate, 1.0, Moved::Rate(j)));
-            let wheel = change.wheel.map(|(w, speed)| (speed, 1.0, Moved::Wheel(w)));
-            for (share, step, moved) in [position, rate, wheel].into_iter().flatten() {
-                if share == 0.0 {
-                    continue;
-                }
-                for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
-                    end.copy(inputs);
-                    moved.shift(end, sign * step);
-                }
-                let both = ends.each_ref().map(|inputs| (tree, inputs));
+            let position = joint.map(|(j, dq, _)| (dq, Moved::Position(j)));
+            let rate = joint.map(|(j, _, drate)| (drate, Moved::Rate(j)));
+            let wheel = change.wheel.map(|(w, speed)| (speed, Moved::Wheel(w)));
+            let all = [position, rate, wheel].into_iter().flatten();
+            for (share, moved) in all.filter(|(share, _)| *share != 0.0) {
+                let both = moved.both_ways(tree, inputs, ends);
                 let unknown = (change.unknown, share);
-                self.add_change(unknown, around, (both, step), moving, columns);
+                self.add_change(unknown, around, both, moving, columns);
             }
         }
     }

@@ -2,7 +2,6 @@
 
 use super::{Around, BodyPoint, ForceScratch, Moved, RateSlopes, lower, stack, upper};
 use crate::motion::slope_weights;
-use crate::motion::virtual_joints::JOINT_STEP;
 use crate::motion::{Column, Instant, Motion, State, matrix};
 use poinsot_spatial::{Matrix3, Vector3, Vector6};
 use std::cell::RefMut;
@@ -86,32 +85,6 @@ impl ForceAround<'_, '_> {
         self.R.transpose() * (upper(&base) + lower(&base).cross(&self.r))
     }
 
-    /// A joint's position, the twist held.
-    pub fn joint_position(&mut self, joint: usize) -> Vector3 {
-        // Over all else the equations are quadratic, and a step of one is exact.
-        self.input(JOINT_STEP, Moved::Position(joint))
-    }
-
-    /// A joint's rate, the twist held.
-    pub fn joint_rate(&mut self, joint: usize) -> Vector3 {
-        self.input(1.0, Moved::Rate(joint))
-    }
-
-    /// A joint's acceleration.
-    pub fn joint_acceleration(&mut self, joint: usize) -> Vector3 {
-        self.input(1.0, Moved::Acceleration(joint))
-    }
-
-    /// A wheel's speed, the twist held.
-    pub fn wheel_speed(&mut self, wheel: usize) -> Vector3 {
-        self.input(1.0, Moved::Wheel(wheel))
-    }
-
-    /// The slope of a wheel's speed.
-    pub fn wheel_acceleration(&mut self, wheel: usize) -> Vector3 {
-        self.input(1.0, Moved::WheelRate(wheel))
-    }
-
     /// Grid times and weights of the readings that make up the slope of a wheel's speed.
     pub fn wheel_weights(&self, wheel: usize) -> [(usize, f64); 3] {
         let o = self.motion.observations;
@@ -124,25 +97,21 @@ impl ForceAround<'_, '_> {
         [(i, -over), (i + 1, over), (i, 0.0)]
     }
 
-    fn input(&mut self, step: f64, moved: Moved) -> Vector3 {
+    /// An input, the twist held.
+    pub fn input(&mut self, moved: Moved) -> Vector3 {
         let ForceScratch {
             inputs,
             there,
             ends,
             ..
         } = &mut *self.scratch;
-        for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
-            end.copy(inputs);
-            moved.shift(end, sign * step);
-        }
-        let tree = self.motion.vehicle.tree;
+        let ends = moved.both_ways(self.motion.vehicle.tree, inputs, ends);
         let around = Around {
             state: &self.state,
             instant: &self.instant,
             base: &self.base,
             point: &self.point,
         };
-        let ends = ends.each_ref().map(|inputs| (tree, inputs));
-        self.motion.input_slope(&around, (ends, step), there)
+        self.motion.input_slope(&around, ends, there)
     }
 }

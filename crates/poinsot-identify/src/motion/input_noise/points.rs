@@ -2,7 +2,7 @@
 
 use super::{Filter, Input, InputNoise, SparseRows};
 use crate::motion::slope_weights;
-use crate::motion::{BodyPoint, Instant, Motion, State};
+use crate::motion::{BodyPoint, Instant, Motion, Moved, State};
 use crate::problem::Problem;
 use crate::problem::segment::{Observations, SensorRecord};
 use poinsot_dynamics::propagation::STATE;
@@ -51,19 +51,19 @@ impl InputNoise {
         for (c, (input, _)) in self.inputs.iter().enumerate() {
             let here = self.place(c, 0);
             match *input {
-                Input::Joint(j) => slopes[here] += around.joint_position(j),
+                Input::Joint(j) => slopes[here] += around.input(Moved::Position(j)),
                 Input::WheelSlope => {}
                 Input::Rate(j) => {
-                    slopes[here] += around.joint_rate(j);
-                    let acceleration = around.joint_acceleration(j);
+                    slopes[here] += around.input(Moved::Rate(j));
+                    let acceleration = around.input(Moved::Acceleration(j));
                     for (i, w) in slope_weights(&self.time_s, k) {
                         let after = i as isize - k as isize;
                         slopes[self.place(c, after)] += acceleration * w;
                     }
                 }
                 Input::Wheel(j) => {
-                    slopes[here] += around.wheel_speed(j) * self.share(c, k);
-                    let acceleration = around.wheel_acceleration(j);
+                    slopes[here] += around.input(Moved::Wheel(j)) * self.share(c, k);
+                    let acceleration = around.input(Moved::WheelRate(j));
                     for (i, w) in around.wheel_weights(j) {
                         let after = i as isize - k as isize;
                         slopes[self.place(c, after)] += acceleration * (w * self.share(c, i));
