@@ -48,8 +48,7 @@ impl<'a> QuantityEstimator<'a> {
             }
         }
         if let Some(other) = self.solution.other_wheel_motion() {
-            let change = other.change(gradient);
-            own += other.covariance(change, change);
+            own += other.variance(gradient);
         }
         (used, own)
     }
@@ -128,8 +127,7 @@ pub(crate) fn system(
     tree: &Tree,
     joint_position: &[f64],
 ) -> BodyEstimate {
-    let mut kinematics = Kinematics::new(tree);
-    kinematics.place(tree, joint_position);
+    let kinematics = Kinematics::at(tree, joint_position);
     let parameters = &solution.parameters;
     let ten = |x: &[f64]| TenParameters::of_system(parameters, &kinematics, x);
     let nominal = ten(&parameters.nominal_vector())
@@ -226,13 +224,13 @@ impl BodyEstimate {
         barycentric: [Number; 10],
     ) -> Self {
         let tensor = all(&inertia).map(tensor);
+        let about_centre = |mass, I_BBcm_B| MassProperties {
+            mass,
+            p_BoBcm_B: Vector3::zeros(),
+            I_BBcm_B,
+        };
         let principal = tensor.map(|I| {
-            let (moments, axes) = MassProperties {
-                mass: 1.0,
-                p_BoBcm_B: Vector3::zeros(),
-                I_BBcm_B: I,
-            }
-            .principal();
+            let (moments, axes) = about_centre(1.0, I).principal();
             let q = nalgebra::UnitQuaternion::from_rotation_matrix(
                 &Rotation3::from_matrix_unchecked(axes),
             );
@@ -242,11 +240,7 @@ impl BodyEstimate {
             }
         });
         let physically_consistent = tensor.map(|I| {
-            let candidate = MassProperties {
-                mass: mass.value.unwrap_or(1.0),
-                p_BoBcm_B: Vector3::zeros(),
-                I_BBcm_B: I,
-            };
+            let candidate = about_centre(mass.value.unwrap_or(1.0), I);
             pseudo_inertia(&candidate.parameters()).cholesky().is_some()
                 || candidate.check_physical(1.0e-9).is_ok()
         });

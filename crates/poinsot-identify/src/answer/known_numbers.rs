@@ -2,7 +2,6 @@
 
 use crate::answer::covariance::Row;
 use crate::diagnosis::{Assumed, Deflection};
-use crate::fit::known_numbers::Effects;
 use crate::problem::parameters::Equations;
 use crate::solution::estimate::{KnownEffect, KnownNumbers};
 use crate::solution::evidence::Remark;
@@ -52,7 +51,7 @@ pub(crate) fn known_numbers(model: &Model, solution: &Solution, rows: &[Row]) ->
             sigma: number.sigma,
             estimated: known
                 .shrunk(*place)
-                .then(|| (solution.x[*place], sigma_of(known, k))),
+                .then(|| (solution.x[*place], known.sigma(k))),
             step: step.size,
             step_words: step.words,
             changes: rows.iter().map(change).collect(),
@@ -71,11 +70,22 @@ pub(crate) fn known_numbers(model: &Model, solution: &Solution, rows: &[Row]) ->
 /// Sigma of a row with what the choice of the wheel motion adds.
 fn sigma_of_row(solution: &Solution, row: &Row) -> f64 {
     let sigma = solution.spectrum.sigma(&row.gradient).unwrap_or(0.0);
-    let chosen = solution.other_wheel_motion().map_or(0.0, |o| {
-        let change = o.change(&row.gradient);
-        o.covariance(change, change)
-    });
+    let other = solution.other_wheel_motion();
+    let chosen = other.map_or(0.0, |o| o.variance(&row.gradient));
     (sigma * sigma + chosen).sqrt()
+}
+
+/// The row that changes most in its sigmas.
+fn largest<'a>(
+    solution: &Solution,
+    rows: impl Iterator<Item = &'a Row>,
+    change: impl Fn(&Row) -> f64,
+) -> Option<(f64, &'a String)> {
+    let sizes = rows.filter_map(|row| {
+        let sigma = sigma_of_row(solution, row);
+        (sigma > 0.0).then(|| (change(row) / sigma, &row.name))
+    });
+    sizes.max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// Change of a row with a move of the mass properties.
@@ -133,11 +143,7 @@ fn reference_point<'a>(
         let own = row.name.strip_prefix(&base.name).unwrap_or(&row.name);
         own.trim_start_matches('.').starts_with("com_")
     };
-    let sizes = rows.iter().filter(com).filter_map(|row| {
-        let sigma = sigma_of_row(solution, row);
-        (sigma > 0.0).then(|| (POINT_OFF_M / sigma, &row.name))
-    });
-    sizes.max_by(|a, b| a.0.total_cmp(&b.0))
+    largest(solution, rows.iter().filter(com), |_| POINT_OFF_M)
 }
 
 /// Each mode to first order, with the moment of inertia of its body that what is left out changes most.
@@ -154,10 +160,7 @@ fn first_order<'a>(
             let own = row.name.strip_prefix(body.as_str());
             own.is_some_and(|own| ["_xx", "_yy", "_zz"].iter().any(|end| own.ends_with(end)))
         };
-        let sizes = rows.iter().filter(is_moment).filter_map(|row| {
-            let sigma = sigma_of_row(solution, row);
-            (sigma > 0.0).then(|| (moves.mean_square / sigma, &row.name))
-        });
+        let moments = rows.iter().filter(is_moment);
         let assumed = Assumed {
             what: format!(
                 "{} to first order in its amplitude, at most {:.2e} kg05 m",
@@ -169,7 +172,7 @@ fn first_order<'a>(
             ),
             shift: Vec::new(),
         };
-        (assumed, sizes.max_by(|a, b| a.0.total_cmp(&b.0)))
+        (assumed, largest(solution, moments, |_| moves.mean_square))
     };
     model.modes.iter().zip(deflections).map(of).collect()
 }
@@ -179,17 +182,12 @@ pub(crate) fn assumptions(model: &Model, solution: &Solution, rows: &[Row]) -> V
     let own = solution.likelihood.as_ref();
     let all = own.map_or(&[][..], |own| &own.diagnostics.assumed);
     let common = common_thrust(model, solution);
-    let largest = |of: &Assumed| {
-        let asked = rows.iter().filter(|row| row.nuisance.is_none());
-        let changes = asked.filter_map(|row| {
-            let sigma = sigma_of_row(solution, row);
-            (sigma > 0.0).then(|| (along(row, &of.shift).abs() / sigma, &row.name))
-        });
-        changes.max_by(|a, b| a.0.total_cmp(&b.0))
-    };
-    let mut effects: Vec<_> = (all.iter().chain(&common))
-        .map(|of| (of, largest(of)))
-        .collect();
+    let asked = rows.iter().filter(|row| row.nuisance.is_none());
+    let mut effects: Vec<(&Assumed, Option<(f64, &String)>)> = Vec::new();
+    for of in all.iter().chain(&common) {
+        let change = |row: &Row| along(row, &of.shift).abs();
+        effects.push((of, largest(solution, asked.clone(), change)));
+    }
     let point = Assumed {
         what: "velocity and position refer to the position of their sensor, not to the mass centre"
             .to_owned(),
@@ -212,8 +210,4 @@ pub(crate) fn assumptions(model: &Model, solution: &Solution, rows: &[Row]) -> V
     };
     let effects = effects.into_iter();
     effects.map(|e| Remark::assumption(words(e))).collect()
-}
-
-fn sigma_of(known: &Effects, k: usize) -> f64 {
-    known.covariance[(k, k)].max(0.0).sqrt()
 }

@@ -416,7 +416,7 @@ fn of_known_numbers(
     let Some(moved) = MovedVehicle::new(experiment, at) else {
         return Vec::new();
     };
-    let there = moved.problem(experiment.problem);
+    let there = moved.vehicle.problem(experiment.problem);
     let model = experiment.problem.model;
     numbers
         .into_iter()
@@ -426,7 +426,7 @@ fn of_known_numbers(
                 let usual = number.usual_sigma(Origin::Cad);
                 let sigma = number.absolute(model, c, usual);
                 let shift = (number, c, CHANGE_STEP * sigma);
-                let own = (moved.parameters(), &moved.base.x);
+                let own = (&moved.vehicle.parameters, &moved.base.x);
                 match twin((&there, model), own.0, own.1, shift) {
                     Some((unknown, _)) => Twin { unknown, sigma },
                     None => Twin {

@@ -80,6 +80,12 @@ impl OtherWheelMotion {
         self.probability * a * b
     }
 
+    /// What it adds to the variance of a number with this gradient.
+    pub fn variance(&self, gradient: &[f64]) -> f64 {
+        let change = self.change(gradient);
+        self.covariance(change, change)
+    }
+
     /// Change along the step of a number with this gradient.
     pub fn change(&self, gradient: &[f64]) -> f64 {
         gradient.iter().zip(&self.step).map(|(g, s)| g * s).sum()

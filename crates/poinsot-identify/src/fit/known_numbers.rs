@@ -24,33 +24,19 @@ use poinsot_model::{Model, rounded};
 /// Effect of one sigma of a number on all predictions together, in their noise, below which it is left out.
 pub(crate) const SILENT: f64 = 1.0e-3;
 
-/// The unknowns of an experiment with the known numbers that show behind them.
-struct Widened {
-    /// All unknowns, the known numbers last.
-    parameters: Parameters,
-    /// The point where the known numbers have the values of the model.
-    first: Iterate,
-}
-
-impl Widened {
-    /// `None` where all known numbers are exact, or nothing depends on them.
-    fn new(experiment: &Experiment, at: &Iterate) -> Option<Self> {
-        let problem = experiment.problem;
-        let all = shown(experiment, at, unknowns(problem.model))?;
-        Some(Self {
-            parameters: extended(problem, experiment.parameters, &all),
-            first: behind(at, &all),
-        })
-    }
-
-    fn experiment<'b>(&'b self, experiment: &'b Experiment<'b>) -> Experiment<'b> {
-        experiment.with_parameters(&self.parameters)
-    }
+/// All unknowns of an experiment with the known numbers that show behind them, and the point where these have the values of the
+/// model. `None` where all known numbers are exact, or nothing depends on them.
+fn widened(experiment: &Experiment, at: &Iterate) -> Option<(Parameters, Iterate)> {
+    let problem = experiment.problem;
+    let all = shown(experiment, at, unknowns(problem.model))?;
+    let parameters = extended(problem, experiment.parameters, &all);
+    Some((parameters, behind(at, &all)))
 }
 
 /// The fit with known numbers within their uncertainty.
 pub(crate) struct KnownFit {
-    widened: Widened,
+    /// All unknowns, the known numbers last.
+    parameters: Parameters,
     pub fitted: Fitted,
     /// Whether the known numbers were left at their values, because no such vehicle fits.
     pub left: bool,
@@ -63,16 +49,16 @@ pub(crate) struct KnownFit {
 impl KnownFit {
     /// The experiment of which [`Self::fitted`] is the fit.
     pub fn experiment<'b>(&'b self, experiment: &'b Experiment<'b>) -> Experiment<'b> {
-        self.widened.experiment(experiment)
+        experiment.with_parameters(&self.parameters)
     }
 }
 
 /// The known numbers at the values of the model, with their uncertainty: what a fit of ideal measurements would end with.
 pub(crate) fn known_at(experiment: &Experiment, at: &Iterate) -> Option<KnownFit> {
-    let widened = Widened::new(experiment, at)?;
-    let fitted = fit_from(&widened.experiment(experiment), widened.first.clone(), 0)?;
+    let (parameters, first) = widened(experiment, at)?;
+    let fitted = fit_from(&experiment.with_parameters(&parameters), first, 0)?;
     Some(KnownFit {
-        widened,
+        parameters,
         fitted,
         left: false,
         contradiction: None,
@@ -82,10 +68,10 @@ pub(crate) fn known_at(experiment: &Experiment, at: &Iterate) -> Option<KnownFit
 
 /// Fits on with the known numbers within their uncertainty; `None` where all of them are exact, or nothing depends on them.
 pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<KnownFit> {
-    let widened = Widened::new(experiment, &fitted.at)?;
-    let wide = widened.experiment(experiment);
-    let start = fit_from(&wide, widened.first.clone(), 0)?;
-    let found = fit_wide(&wide, &widened.first)?;
+    let (parameters, first) = widened(experiment, &fitted.at)?;
+    let wide = experiment.with_parameters(&parameters);
+    let start = fit_from(&wide, first.clone(), 0)?;
+    let found = fit_wide(&wide, &first)?;
     let done = found.converged;
     let (worst, per_number, test) = contradicted(&wide, &found);
     // A misfit beyond the uncertainty of known numbers needs another cause.
@@ -93,18 +79,10 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
     if left && !fitted.converged {
         return None;
     }
-    let fitted = match left {
-        true => Fitted {
-            converged: true,
-            ..start
-        },
-        false => Fitted {
-            converged: done,
-            ..found
-        },
-    };
+    let mut fitted = if left { start } else { found };
+    fitted.converged = left || done;
     Some(KnownFit {
-        widened,
+        parameters,
         fitted,
         left,
         contradiction: worst.filter(|_| !left && done),

@@ -56,12 +56,7 @@ impl ShiftedVehicle {
 
     /// The known numbers where a value of all unknowns has them.
     pub fn at(problem: &Problem, parameters: &Parameters, x: &[f64]) -> Option<Self> {
-        let unknowns = parameters.unknowns.iter().zip(x);
-        let changes = unknowns.filter_map(|(u, x)| {
-            let known = u.kind.known()?;
-            Some((known.number, known.component, x - u.nominal))
-        });
-        Self::new(problem, parameters, &changes.collect::<Vec<_>>())
+        Self::new(problem, parameters, &shifts(parameters, x))
     }
 
     /// The problem of that vehicle.
@@ -73,6 +68,16 @@ impl ShiftedVehicle {
             ..*problem
         }
     }
+}
+
+/// How far a value of all unknowns moves each component of a known number.
+pub(crate) fn shifts(parameters: &Parameters, x: &[f64]) -> Vec<(KnownNumber, usize, f64)> {
+    let unknowns = parameters.unknowns.iter().zip(x);
+    let moved = unknowns.filter_map(|(u, x)| {
+        let known = u.kind.known()?;
+        Some((known.number, known.component, x - u.nominal))
+    });
+    moved.collect()
 }
 
 /// Samples with another thrust factor or sensor mounting.

@@ -7,7 +7,7 @@ use crate::likelihood::{Evaluated, InitialStateColumns, KeptRow, KnownColumns};
 use crate::problem::Problem;
 use crate::problem::loss::Loss;
 use crate::problem::parameters::{Parameters, Unknown, UnknownKind};
-use crate::problem::shifted_vehicle::ShiftedVehicle;
+use crate::problem::shifted_vehicle::{ShiftedVehicle, shifts};
 use poinsot_dynamics::SensorError;
 use poinsot_model::{KnownNumber, Model};
 use poinsot_spatial::{InertialParameters, Vector3};
@@ -61,7 +61,8 @@ pub(crate) type Shift = (KnownNumber, usize, f64);
 
 /// The vehicle where a value of all unknowns has its known numbers, with the other unknowns.
 pub(crate) struct MovedVehicle {
-    vehicle: ShiftedVehicle,
+    /// Its problem, and its unknowns: those of the fit without the known numbers.
+    pub vehicle: ShiftedVehicle,
     /// The other unknowns.
     pub base: Iterate,
 }
@@ -69,12 +70,7 @@ pub(crate) struct MovedVehicle {
 impl MovedVehicle {
     pub fn new(experiment: &Experiment, at: &Iterate) -> Option<Self> {
         let (own, kept) = experiment.parameters.without_known();
-        let unknowns = experiment.parameters.unknowns.iter().zip(&at.x);
-        let moved = unknowns.filter_map(|(u, x)| {
-            let known = u.kind.known()?;
-            Some((known.number, known.component, x - u.nominal))
-        });
-        let moved: Vec<Shift> = moved.collect();
+        let moved = shifts(experiment.parameters, &at.x);
         Some(Self {
             vehicle: ShiftedVehicle::new(experiment.problem, &own, &moved)?,
             base: Iterate {
@@ -84,27 +80,18 @@ impl MovedVehicle {
         })
     }
 
-    /// The question asked of it.
-    pub fn problem<'a>(&'a self, problem: &Problem<'a>) -> Problem<'a> {
-        self.vehicle.problem(problem)
-    }
-
-    /// Its unknowns: those of the fit without the known numbers.
-    pub fn parameters(&self) -> &Parameters {
-        &self.vehicle.parameters
-    }
-
     /// Slopes over components of known numbers: one evaluation with its sensitivities.
     pub fn slopes(
         &self,
         experiment: &Experiment,
         numbers: &[Shift],
     ) -> Option<Vec<PredictionSlopes>> {
-        let there = self.problem(experiment.problem);
+        let there = self.vehicle.problem(experiment.problem);
         let nominal = experiment.problem.model;
-        let twin = |shift: &Shift| twin((&there, nominal), self.parameters(), &self.base.x, *shift);
+        let own = &self.vehicle.parameters;
+        let twin = |shift: &Shift| twin((&there, nominal), own, &self.base.x, *shift);
         let twins: Vec<Option<(Unknown, f64)>> = numbers.iter().map(twin).collect();
-        let mut parameters = self.parameters().clone();
+        let mut parameters = own.clone();
         let mut column = parameters.len();
         let mut at = self.base.clone();
         for (unknown, _) in twins.iter().flatten() {

@@ -48,10 +48,15 @@ impl Effects {
         }))
     }
 
+    /// Sigma of the k-th after the data.
+    pub fn sigma(&self, k: usize) -> f64 {
+        self.covariance[(k, k)].max(0.0).sqrt()
+    }
+
     /// Whether the data say enough of the unknown at this place for it to count as estimated.
     pub fn shrunk(&self, place: usize) -> bool {
         let k = self.places.iter().position(|p| *p == place);
-        k.is_some_and(|k| self.covariance[(k, k)].max(0.0).sqrt() < ESTIMATED * self.declared[k])
+        k.is_some_and(|k| self.sigma(k) < ESTIMATED * self.declared[k])
     }
 }
 
