@@ -28,8 +28,7 @@ use crate::problem::shifted_vehicle::ShiftedVehicle;
 use nalgebra::UnitQuaternion;
 use poinsot_dynamics::propagation::{Flexibility, Internal, LockedVehicle, PoseMomentum};
 use poinsot_dynamics::{
-    JointSlopes, Kinematics, SensorError, composite, composite_and_momentum, momentum,
-    wheel_momentum,
+    JointSlopes, SensorError, composite, composite_and_momentum, momentum, wheel_momentum,
 };
 use poinsot_files::Faults;
 use poinsot_model::{MomentumKnowledge, Thruster};
@@ -431,8 +430,7 @@ impl<'a> Experiment<'a> {
     pub fn initial_state_at(&self, s: &Samples, w: Vector3, x: &[f64]) -> InitialState {
         let (tree, dof) = (self.problem.tree, self.problem.tree.dof());
         let bodies = self.parameters.bodies(x);
-        let mut kinematics = Kinematics::new(tree);
-        kinematics.place(tree, s.joint_position.get(..dof).unwrap_or(&[]));
+        let mut kinematics = s.first_placement(tree);
         let R = s
             .R_NB
             .first()

@@ -95,10 +95,7 @@ fn at_kept(record: &SensorRecord, kept: &[usize]) -> SensorRecord {
         let from = kept.binary_search(&s.from).unwrap_or(to);
         Some(SensorSample { from, to, ..*s })
     });
-    SensorRecord {
-        samples: samples.collect(),
-        ..record.clone()
-    }
+    record.with_samples(samples)
 }
 
 fn picked<T: Clone>(all: &[T], kept: &[usize]) -> Vec<T> {

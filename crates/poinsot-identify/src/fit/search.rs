@@ -19,10 +19,10 @@ use crate::fit::momentum_state::{Fitted, Search, fit_from, fit_on, is_settled};
 use crate::fit::part_of_record::{FEW, beginning, thinned};
 use crate::fit::smoothed_inputs::{SmoothedInputs, smoothed};
 use crate::fit::step::{ITERATIONS, moved, physical_bodies};
+use crate::problem::ProblemError;
 use crate::problem::refusal::no_motion;
 use crate::problem::segment::Segment;
 use crate::problem::settings::Coordinates;
-use crate::problem::{Problem, ProblemError};
 use poinsot_model::{Model, Prior};
 use poinsot_solve::{LeastSquares, Linearised, levenberg_marquardt};
 
@@ -255,10 +255,7 @@ fn follow(experiment: &Experiment, starts: &[Iterate]) -> Followed {
         return free;
     }
     let model = loosely_known(experiment.problem.model);
-    let problem = Problem {
-        model: &model,
-        ..*experiment.problem
-    };
+    let problem = experiment.problem.with_model(&model);
     let held = follow_on(&experiment.with_problem(&problem), starts, false);
     match held.end {
         Search::Whole => held,

@@ -98,8 +98,7 @@ pub(crate) struct Explained {
 impl Explained {
     /// The problem that is solved.
     pub fn problem<'a>(&'a self, asked: &Problem<'a>) -> Problem<'a> {
-        let model = self.model.as_ref().unwrap_or(asked.model);
-        Problem { model, ..*asked }
+        asked.with_model(self.model.as_ref().unwrap_or(asked.model))
     }
 }
 
@@ -133,10 +132,7 @@ fn with_modes(
             own.mode.set(*number, about(mode.get(*number)));
         }
     }
-    let own = Problem {
-        model: &found.model,
-        ..*problem
-    };
+    let own = problem.with_model(&found.model);
     let mut ended = solve_from(&own, settings, Some(found.at))?;
     let before = rigid.solution.residual.0;
     ended.solution.remarks.push(evidence(&own, before, &ended));
@@ -209,10 +205,7 @@ impl<'a> Search<'a> {
 
     /// The problem of a vehicle with other modes.
     fn of<'b>(&'b self, model: &'b Model) -> Problem<'b> {
-        Problem {
-            model,
-            ..self.problem
-        }
+        self.problem.with_model(model)
     }
 
     fn experiment<'b>(

@@ -23,7 +23,7 @@ use crate::solution::estimate::{Estimate, SegmentFit};
 use crate::solution::evidence::Remark;
 use crate::solution::solved::{Solution, StartOfSegment, VectorQuantity};
 use crate::solution::unobservable_set::UnobservableSet;
-use poinsot_dynamics::{Kinematics, composite};
+use poinsot_dynamics::composite;
 use poinsot_files::Pace;
 use poinsot_model::MomentumKnowledge;
 use poinsot_solve::{BlockQr, Spectrum, Triangle};
@@ -145,10 +145,8 @@ fn refine_known_momentum(problem: &Problem, mut found: Reduced) -> Result<Reduce
             .segments
             .iter()
             .map(|segment| {
-                let mut kinematics = Kinematics::new(problem.tree);
-                let dof = problem.tree.dof();
                 let s = &segment.samples;
-                kinematics.place(problem.tree, s.joint_position.get(..dof).unwrap_or(&[]));
+                let kinematics = s.first_placement(problem.tree);
                 let c = composite(&bodies, &kinematics).p_BoScm_B();
                 s.R_NB.first().map_or(c, |R| R * c)
             })
@@ -468,9 +466,7 @@ fn about_mass_centre(
     angular: &mut VectorQuantity,
 ) {
     let s = &segment.samples;
-    let mut kinematics = Kinematics::new(problem.tree);
-    let dof = problem.tree.dof();
-    kinematics.place(problem.tree, s.joint_position.get(..dof).unwrap_or(&[]));
+    let kinematics = s.first_placement(problem.tree);
     let ten = TenParameters::of_system(parameters, &kinematics, x);
     let centre = [0, 1, 2].map(|k| ten.mass_centre(k));
     let R = s.R_NB.first().copied().unwrap_or_default();

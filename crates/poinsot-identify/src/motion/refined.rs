@@ -108,10 +108,7 @@ fn moved(record: &SensorRecord, old: &[usize]) -> SensorRecord {
         to: to(s.to),
         ..*s
     });
-    SensorRecord {
-        samples: samples.collect(),
-        ..record.clone()
-    }
+    record.with_samples(samples)
 }
 
 fn at_places(inputs: &[InputChannel], places: &[Place], old_s: &[f64]) -> Vec<InputChannel> {

@@ -86,22 +86,19 @@ pub fn complete(
     let linear = determined.iter().filter(|c| !c.coefficients.is_empty());
     let determined: Vec<&DeterminedCombination> = linear.collect();
     let linear = determined.len();
-    match linear {
-        0 if nothing => {
-            return Err(refused(
-                "it has no determined combination (status rejected, or nothing identified), so it cannot predict",
-                "give an estimate from more data",
-            ));
-        }
-        _ if linear < rank => {
-            return Err(refused(
-                format_args!(
-                    "it determines {rank} directions but has only {linear} linear combinations, which do not fix a prediction"
-                ),
-                "validate against the model instead, or give an estimate with translation measured",
-            ));
-        }
-        _ => {}
+    if nothing {
+        return Err(refused(
+            "it has no determined combination (status rejected, or nothing identified), so it cannot predict",
+            "give an estimate from more data",
+        ));
+    }
+    if linear < rank {
+        return Err(refused(
+            format_args!(
+                "it determines {rank} directions but has only {linear} linear combinations, which do not fix a prediction"
+            ),
+            "validate against the model instead, or give an estimate with translation measured",
+        ));
     }
     // The unknowns of an estimate from rotation alone have other names.
     let equations = [Equations::Momentum, Equations::Rotation];

@@ -5,7 +5,7 @@
 use crate::answer;
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::fit_starts;
-use crate::likelihood::{ChannelResidual, InitialState, start};
+use crate::likelihood::{ChannelResidual, Evaluated, InitialState, start};
 use crate::methods::flexible::explained;
 use crate::methods::linear::{linear, solve_linear};
 use crate::methods::maximum_likelihood::FinishedFit;
@@ -117,10 +117,7 @@ pub fn predicted_by(
         body.nominal = *given;
         body.prior = None;
     }
-    let held = Problem {
-        model: &model,
-        ..*problem
-    };
+    let held = problem.with_model(&model);
     let fires = problem.segments.iter().any(|s| !s.firings.is_empty());
     let of = |equations| Parameters::new(&model, problem.tree, equations, fires);
     let parameters = match of(held.linear_equations()) {
@@ -141,25 +138,17 @@ pub(crate) fn predict(experiment: &Experiment, at: &Iterate, points: usize) -> V
     let Some(evaluated) = experiment.evaluate(at, false) else {
         return Vec::new();
     };
-    let segments = experiment.problem.segments;
-    (0..segments.len())
-        .map(|s| {
-            segment(experiment, &at.x, &at.initial_states[s], s, points)
-                .map(|mut prediction| {
-                    for channel in &mut prediction.channels {
-                        let own = evaluated[s]
-                            .channels
-                            .iter()
-                            .find(|c| c.name == channel.name);
-                        if let Some(own) = own {
-                            statistics(channel, own);
-                        }
-                    }
-                    prediction
-                })
-                .unwrap_or_default()
-        })
-        .collect()
+    let of = |(s, one): (usize, &Evaluated)| {
+        let mut prediction = segment(experiment, &at.x, &at.initial_states[s], s, points)?;
+        for channel in &mut prediction.channels {
+            if let Some(own) = one.channels.iter().find(|c| c.name == channel.name) {
+                statistics(channel, own);
+            }
+        }
+        Some(prediction)
+    };
+    let segments = evaluated.iter().enumerate();
+    segments.map(|one| of(one).unwrap_or_default()).collect()
 }
 
 fn segment(
@@ -379,14 +368,10 @@ impl<'a> Recorder<'a> {
             row.values.push(state.internal[2 * k]);
         }
         for (k, joint) in vehicle.passive.joints().iter().enumerate() {
-            let Some(q) = p
-                .joints
-                .get_mut(joint.coordinate)
-                .and_then(|row| row.values.last_mut())
-            else {
-                continue;
-            };
-            *q = state.internal[2 * (vehicle.modes.len() + k)];
+            let row = p.joints.get_mut(joint.coordinate);
+            if let Some(q) = row.and_then(|row| row.values.last_mut()) {
+                *q = state.internal[2 * (vehicle.modes.len() + k)];
+            }
         }
         for (wheel, row) in p.wheels.iter_mut().enumerate() {
             row.values.push(o.wheel_speed[k * wheels + wheel]);

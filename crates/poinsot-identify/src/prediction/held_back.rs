@@ -59,11 +59,7 @@ pub fn held_back(
     problem.check_samples()?;
     problem.check_observations()?;
     let (model, segments) = prepared(problem, vehicle);
-    let problem = Problem {
-        model: &model,
-        segments: &segments,
-        ..*problem
-    };
+    let problem = problem.with_model(&model).with_segments(&segments);
     let parameters = Parameters::without_mass(&model, problem.tree, &vehicle.bodies);
     let mut experiment = Experiment::new(&problem, &parameters);
     experiment.settings.loss = Loss::Gaussian;

@@ -40,6 +40,11 @@ impl<'a> Problem<'a> {
     pub(crate) fn with_segments(&self, segments: &'a [Segment]) -> Self {
         Self { segments, ..*self }
     }
+
+    /// The same records of another vehicle.
+    pub(crate) fn with_model(&self, model: &'a Model) -> Self {
+        Self { model, ..*self }
+    }
 }
 
 impl Problem<'_> {

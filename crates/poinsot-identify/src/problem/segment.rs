@@ -1,6 +1,7 @@
 //! One segment of telemetry, aligned on the gyro's times, for the linear method.
 
 use super::error_process::ErrorProcess;
+use poinsot_dynamics::{Kinematics, Tree};
 use poinsot_model::{SensorKind, SlowError};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 
@@ -21,6 +22,14 @@ pub struct Samples {
     pub joint_rate: Vec<f64>,
     /// Wheel speeds relative to their hosts, rad/s; one row of `wheels` per time.
     pub wheel_speed: Vec<f64>,
+}
+
+impl Samples {
+    /// The bodies at the first sample; all joints at zero without samples of them.
+    pub(crate) fn first_placement(&self, tree: &Tree) -> Kinematics {
+        let q = self.joint_position.get(..tree.dof());
+        q.map_or_else(|| Kinematics::new(tree), |q| Kinematics::at(tree, q))
+    }
 }
 
 /// Motion of the base origin.
@@ -130,6 +139,15 @@ pub struct SensorRecord {
 }
 
 impl SensorRecord {
+    /// The same sensor with other samples.
+    pub(crate) fn with_samples(&self, samples: impl Iterator<Item = SensorSample>) -> Self {
+        let samples = samples.collect();
+        Self {
+            samples,
+            ..self.clone()
+        }
+    }
+
     /// The only sensor of its kind, at the origin of the base, with white noise and no samples.
     pub fn of_base(kind: SensorKind, covariance: Matrix3) -> Self {
         Self {

@@ -9,7 +9,7 @@ use crate::problem::loss::Loss;
 use crate::problem::parameters::axis_name;
 use crate::problem::segment::{Firing, Noise, Observations, Segment, SensorRecord, SensorValue};
 use poinsot_dynamics::{Kinematics, composite};
-use poinsot_model::{Joint, JointKind, SensorKind, Thruster};
+use poinsot_model::{Joint, SensorKind, Thruster};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 
 /// Samples of a record that is tried, and its longest duration, s; their noise is scaled to that of the record at
@@ -88,9 +88,8 @@ impl Baseline<'_> {
     /// The base also rotates about one of its axes.
     fn turns(&self, trial: &Trial, add: &mut impl FnMut(String, &Trial)) {
         let tree = self.problem.tree;
-        let mut kinematics = Kinematics::new(tree);
         let joints = &trial.segment.observations.joint_position;
-        kinematics.place(tree, joints.get(..tree.dof()).unwrap_or(&[]));
+        let kinematics = Kinematics::at(tree, joints.get(..tree.dof()).unwrap_or(&[]));
         let I = composite(&self.parameters.bodies(&self.x), &kinematics).I_SScm_B();
         let fastest = self.problem.segments[0]
             .samples
@@ -115,6 +114,7 @@ impl Baseline<'_> {
     /// An oscillating joint; all of them, each at its own pace.
     fn joints(&self, trial: &Trial, add: &mut impl FnMut(String, &Trial)) {
         let coordinates = &self.problem.tree.coordinates;
+        let unit = |joint: &Joint| SensorKind::JointPosition.unit(joint.slides());
         let (size, _) = SWING;
         let span = trial.span();
         for (joint, at) in coordinates.iter().enumerate().take(JOINTS) {
@@ -322,14 +322,6 @@ impl Trial {
     }
 }
 
-/// Unit of a joint's motion.
-fn unit(joint: &Joint) -> &'static str {
-    match joint.kind {
-        JointKind::Prismatic => "m",
-        _ => "rad",
-    }
-}
-
 /// A sensor at the base's origin with a sample at every grid time; its values are not used.
 fn tried(kind: SensorKind, samples: usize, sigma: f64) -> SensorRecord {
     let covariance = Matrix3::identity() * (sigma * sigma);
@@ -370,10 +362,7 @@ fn thinned(
             _ => false,
         };
         if kept {
-            let mut few = SensorRecord {
-                samples: Vec::new(),
-                ..record.clone()
-            };
+            let mut few = record.with_samples(std::iter::empty());
             // Fewer samples stand for all of them.
             few.scale_noise(share);
             sensors.push(few.at_every_time(vec![any_value(record.kind); samples]));
