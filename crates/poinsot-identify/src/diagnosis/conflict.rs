@@ -5,12 +5,11 @@
 //! alone: chi-square distributed if both are correct. One row of variance one, whose value the answer determines to a
 //! variance `s^2`, has a residual of variance `1 - s^2` (a smoothed innovation, Kalman 1960).
 
-use crate::diagnosis::{Diagnostics, FaultKind, Finding, diagnose};
+use crate::diagnosis::{Diagnostics, diagnose};
 use crate::fit::degrees_of_freedom::{Loosened, fitted_numbers};
 use crate::fit::experiment::Experiment;
 use crate::fit::triangle::SharedTriangle;
 use crate::fit::{Fitted, ITERATIONS, fit_from};
-use crate::problem::Problem;
 use crate::problem::prior::{self, Conflict, Declared, LEAST_SHARE, PriorRow, PriorTest};
 use poinsot_model::rounded;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -82,15 +81,6 @@ fn in_words(sigmas: f64) -> String {
     }
 }
 
-/// Its finding.
-pub(crate) fn finding(conflict: &Conflict) -> Finding {
-    Finding {
-        fault: FaultKind::Prior,
-        or: Vec::new(),
-        text: conflict.text.clone(),
-    }
-}
-
 fn said(a: &Discrepancy, more: usize) -> String {
     let Declared {
         name,
@@ -156,10 +146,7 @@ fn without<T>(
     for body in &mut model.bodies {
         body.prior = None;
     }
-    let problem = Problem {
-        model: &model,
-        ..*experiment.problem
-    };
+    let problem = experiment.problem.with_model(&model);
     let free = experiment.with_problem(&problem);
     let found = fit_from(&free, fitted.at.clone(), ITERATIONS)?;
     Some(ask(&free, &found))

@@ -28,7 +28,7 @@ pub(super) fn findings(d: &Diagnostics) -> Vec<Finding> {
                 line.frequency_hz,
                 100.0 * line.share
             );
-            finding(FaultKind::NotRigid, text)
+            Finding::new(FaultKind::NotRigid, text)
         });
         list.splice(0..0, lines);
     }
@@ -41,20 +41,12 @@ pub(super) fn findings(d: &Diagnostics) -> Vec<Finding> {
                 "chi-square is {:.0} standard deviations above its expectation for the declared noise, and no known fault explains it",
                 d.excess_sigmas
             );
-            list.push(finding(FaultKind::Unexplained, text));
+            list.push(Finding::new(FaultKind::Unexplained, text));
         }
     }
     let overstated = d.channels.iter().filter_map(too_small);
     list.extend(overstated.filter(|_| !misfit));
     list
-}
-
-fn finding(fault: FaultKind, text: String) -> Finding {
-    Finding {
-        fault,
-        or: Vec::new(),
-        text,
-    }
 }
 
 /// The best suspect, with indistinguishable alternatives.
@@ -113,7 +105,7 @@ fn too_large(c: &ChannelDiagnosis) -> Option<Finding> {
             " and correlated in time"
         }
     );
-    Some(finding(FaultKind::Unexplained, text))
+    Some(Finding::new(FaultKind::Unexplained, text))
 }
 
 /// A sensor whose residual is far smaller than declared.
@@ -127,7 +119,7 @@ fn too_small(c: &ChannelDiagnosis) -> Option<Finding> {
             c.name,
             rounded(ratio.sqrt(), 3)
         );
-        finding(FaultKind::NoiseOverstated, text)
+        Finding::new(FaultKind::NoiseOverstated, text)
     })
 }
 

@@ -120,13 +120,11 @@ pub(crate) fn diagnose(
     }
     out.findings = findings::findings(&out);
     if misfit && !affordable && fitted.is_found() {
-        out.findings.push(Finding {
-            fault: FaultKind::Unexplained,
-            or: Vec::new(),
-            text: format!(
-                "the vehicle turns by {turn:.1} rad between samples, too much to test causes; are the times in seconds?"
-            ),
-        });
+        let text = format!(
+            "the vehicle turns by {turn:.1} rad between samples, too much to test causes; are the times in seconds?"
+        );
+        let finding = Finding::new(FaultKind::Unexplained, text);
+        out.findings.push(finding);
     }
     out
 }
@@ -225,10 +223,8 @@ fn deflections(experiment: &Experiment, fitted: &Fitted) -> Vec<Deflection> {
                 own.mean_square += y * y;
             }
             instants += 1;
-            match (k + 1 < samples)
-                .then(|| motion.advance(&state, k))
-                .flatten()
-            {
+            let next = (k + 1 < samples).then(|| motion.advance(&state, k));
+            match next.flatten() {
                 Some(next) => state = next,
                 None => break,
             }

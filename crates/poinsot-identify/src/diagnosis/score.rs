@@ -56,6 +56,12 @@ pub(super) fn momentum_jump(
     (!momenta.is_empty() && state.is_square()).then(|| state.lu().solve(&wanted))?
 }
 
+/// One over the lengths of columns of these products; zero of one without length.
+pub(super) fn units(square: &DMatrix<f64>) -> DVector<f64> {
+    let unit = |s: f64| if s > 0.0 { 1.0 / s.sqrt() } else { 0.0 };
+    square.map_diagonal(unit)
+}
+
 /// `g^T M^-1 g` over the observable part, in units of the columns.
 pub(super) fn explained(
     left: &DMatrix<f64>,
@@ -63,12 +69,9 @@ pub(super) fn explained(
     toward: &DVector<f64>,
 ) -> Score {
     let m = toward.len();
-    let unit = |k: usize| match square[(k, k)] {
-        s if s > 0.0 => 1.0 / s.sqrt(),
-        _ => 0.0,
-    };
-    let scaled = DMatrix::from_fn(m, m, |i, j| left[(i, j)] * unit(i) * unit(j));
-    let rhs = DVector::from_fn(m, |k, _| toward[k] * unit(k));
+    let unit = units(square);
+    let scaled = DMatrix::from_fn(m, m, |i, j| left[(i, j)] * unit[i] * unit[j]);
+    let rhs = toward.component_mul(&unit);
     let eigen = scaled.symmetric_eigen();
     let mut score = Score {
         decrease: 0.0,
@@ -87,6 +90,6 @@ pub(super) fn explained(
             score.values += vector * (along / value);
         }
     }
-    (0..m).for_each(|k| score.values[k] *= unit(k));
+    score.values.component_mul_assign(&unit);
     score
 }

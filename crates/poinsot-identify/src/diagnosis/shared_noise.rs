@@ -7,6 +7,7 @@
 
 use super::candidates::Candidate;
 use super::projected::{Projected, Score};
+use super::score::{SHOWN, units};
 use super::table::Table;
 use crate::fit::Fitted;
 use crate::fit::experiment::Experiment;
@@ -21,8 +22,6 @@ const SEED: u64 = 0x0070_6f69_6e73_6f74;
 /// Largest variance of a score whose columns and residual are noise of the inputs alone, less one: the product of two errors of
 /// one cause has up to twice the variance of one of two causes, in the score and again in the draw that corrects it.
 const WIDER: f64 = 3.0;
-/// Share of the largest square below which a combination of columns is unobservable.
-const SHOWN: f64 = 1.0e-8;
 /// Share of noise in the square of a column from which it is not used, as in the linear method.
 const HALF: f64 = 0.5;
 
@@ -73,11 +72,8 @@ impl SharedNoise {
         let toward = |of: &Projected| DVector::from_fn(n, |i, _| of.product(group[i], None));
         let toward = toward(measured) - toward(&self.changes);
         // Combinations of columns that are orthonormal, and whose noises are orthogonal.
-        let unit = |k: usize| match M[(k, k)] {
-            square if square > 0.0 => 1.0 / square.sqrt(),
-            _ => 0.0,
-        };
-        let scaled = DMatrix::from_fn(n, n, |i, j| M[(i, j)] * unit(i) * unit(j));
+        let unit = units(&M);
+        let scaled = DMatrix::from_fn(n, n, |i, j| M[(i, j)] * unit[i] * unit[j]);
         let mut score = Score {
             decrease: 0.0,
             values: vec![0.0; n],
@@ -89,7 +85,7 @@ impl SharedNoise {
             return score;
         }
         let white = DMatrix::from_fn(n, shown.len(), |i, k| {
-            unit(i) * own.eigenvectors[(i, shown[k])] / own.eigenvalues[shown[k]].sqrt()
+            unit[i] * own.eigenvectors[(i, shown[k])] / own.eigenvalues[shown[k]].sqrt()
         });
         let noise = (white.transpose() * N * &white).symmetric_eigen();
         let combined = white * &noise.eigenvectors;

@@ -182,3 +182,11 @@ pub struct Finding {
     /// In words, with the evidence.
     pub text: String,
 }
+
+impl Finding {
+    /// Without an alternative.
+    pub(crate) fn new(fault: FaultKind, text: String) -> Self {
+        let or = Vec::new();
+        Self { fault, or, text }
+    }
+}

@@ -6,9 +6,9 @@
 //! unobservable directions do not move.
 
 use crate::certify::continuation::unobservable_set;
-use crate::diagnosis::conflict::{self, priors_against_data};
+use crate::diagnosis::conflict::priors_against_data;
 use crate::diagnosis::octaves::{chance, consistent, octaves};
-use crate::diagnosis::{Diagnostics, diagnose, whiteness};
+use crate::diagnosis::{Diagnostics, FaultKind, Finding, diagnose, whiteness};
 use crate::fit::alternatives::AlternativeFit;
 use crate::fit::degrees_of_freedom::fitted_numbers;
 use crate::fit::experiment::{Experiment, Iterate};
@@ -72,10 +72,7 @@ pub(crate) struct PlainFit {
 impl FinishedFit {
     /// A search that failed: nothing is said of the vehicle but a mistake that a fit of its own confirmed.
     fn lost(experiment: &Experiment, fitted: &Fitted) -> Self {
-        let found = match experiment.settings.undiagnosed {
-            true => Diagnostics::default(),
-            false => diagnose(experiment, fitted, fitted_numbers(experiment, fitted)),
-        };
+        let found = diagnosed(experiment, fitted);
         Self {
             solution: conclude(experiment, fitted, None, found),
             at: fitted.at.clone(),
@@ -133,10 +130,11 @@ pub(super) fn solve_from(
     let measured = along.is_none();
     let process = measured.then(|| best.wheel_process(explains)).flatten();
     let driven = process.as_ref().map(|process| process.problem(problem));
-    let plain = (
-        best.experiment.alternative,
-        chance(&best.fitted.evaluated, &settings),
-    );
+    let mut plain = PlainFit {
+        alternative: best.experiment.alternative,
+        replaced: false,
+        chance: chance(&best.fitted.evaluated, &settings),
+    };
     let best = best.or_random_torque(driven.as_ref(), explains);
     let smoothed = measured.then(|| best.smoothed(explains)).flatten();
     let (smooth, fitted) = smoothed.map(|s| (s.segments, s.fitted)).unzip();
@@ -191,19 +189,16 @@ pub(super) fn solve_from(
     let (taken, x) = (best.experiment.problem, &fitted.at.x);
     let of_known = |_| ShiftedVehicle::at(taken, &solution.parameters, x);
     let shifted = known.as_ref().and_then(of_known);
-    let (at, at_random) = (fitted.at.clone(), best.is_random());
+    let at = fitted.at.clone();
+    plain.replaced = best.is_random();
     Ok(FinishedFit {
         solution,
         at,
         shifted,
         cost: best.experiment.cost_of(&best.fitted),
-        plain: PlainFit {
-            alternative: plain.0,
-            replaced: at_random,
-            chance: plain.1,
-        },
+        plain,
         segments: smooth
-            .or(process.filter(|_| at_random).map(|p| p.segments))
+            .or(process.filter(|_| plain.replaced).map(|p| p.segments))
             .or(followed),
     })
 }
@@ -241,6 +236,14 @@ impl LinearStart {
     }
 }
 
+/// The diagnosis of a fit, empty where none is wanted.
+fn diagnosed(experiment: &Experiment, fitted: &Fitted) -> Diagnostics {
+    match experiment.settings.undiagnosed {
+        true => Diagnostics::default(),
+        false => diagnose(experiment, fitted, fitted_numbers(experiment, fitted)),
+    }
+}
+
 /// What explains the misfit of a fit, and whether the declared numbers agree with the data.
 struct Causes {
     diagnostics: Diagnostics,
@@ -250,12 +253,9 @@ struct Causes {
 
 impl Causes {
     fn of(experiment: &Experiment, fitted: &Fitted) -> Self {
-        let undiagnosed = experiment.settings.undiagnosed;
-        let mut diagnostics = match undiagnosed {
-            true => Diagnostics::default(),
-            false => diagnose(experiment, fitted, fitted_numbers(experiment, fitted)),
-        };
-        let priors = priors_against_data(experiment, fitted, !undiagnosed);
+        let mut diagnostics = diagnosed(experiment, fitted);
+        let wanted = !experiment.settings.undiagnosed;
+        let priors = priors_against_data(experiment, fitted, wanted);
         // What a convention explains no prior has to.
         let freed = priors.freed.filter(|_| !diagnostics.is_mistaken());
         if let Some(freed) = freed {
@@ -274,7 +274,8 @@ impl Causes {
     fn and_of_known_numbers(mut self, known: Option<&KnownFit>) -> Self {
         self.prior_tests.extend(known.and_then(|k| k.test.clone()));
         self.conflict = (self.conflict).or_else(|| known.and_then(|k| k.contradiction.clone()));
-        let finding = self.conflict.as_ref().map(conflict::finding);
+        let conflict = self.conflict.as_ref();
+        let finding = conflict.map(|c| Finding::new(FaultKind::Prior, c.text.clone()));
         let at = usize::from(self.diagnostics.is_mistaken());
         self.diagnostics.findings.splice(at..at, finding);
         self
@@ -321,13 +322,8 @@ fn sensitivities(
     if let Some(error) = step_error {
         let large = !error.is_small(&solution.settings.integration);
         let warning = large.then(|| error.message());
-        add(
-            "the integration steps",
-            change,
-            error.answer,
-            large,
-            warning,
-        );
+        let to = "the integration steps";
+        add(to, change, error.answer, large, warning);
     }
     list
 }

@@ -205,10 +205,8 @@ impl Parameters {
     fn push(
         &mut self,
         kind: UnknownKind,
-        name: String,
-        unit: &'static str,
-        nominal: f64,
-        natural: f64,
+        (name, unit): (String, &'static str),
+        (nominal, natural): (f64, f64),
     ) {
         self.unknowns.push(Unknown {
             kind,
@@ -245,10 +243,8 @@ impl Parameters {
             }
             self.push(
                 UnknownKind::Barycentric(column),
-                format!("{name}.m"),
-                "kg",
-                pi[0],
-                m,
+                (format!("{name}.m"), "kg"),
+                (pi[0], m),
             );
         } else {
             known.mass = given.mass;
@@ -264,10 +260,8 @@ impl Parameters {
             for k in 0..3 {
                 self.push(
                     UnknownKind::Barycentric(vec![(at + 1 + k, 1.0)]),
-                    format!("{name}.{}", PARAMETER_NAMES[1 + k]),
-                    "kg m",
-                    pi[1 + k],
-                    m * l,
+                    (format!("{name}.{}", PARAMETER_NAMES[1 + k]), "kg m"),
+                    (pi[1 + k], m * l),
                 );
             }
         }
@@ -281,10 +275,8 @@ impl Parameters {
             for (k, &e) in TENSOR.iter().enumerate() {
                 self.push(
                     UnknownKind::Barycentric(vec![(at + 4 + k, 1.0)]),
-                    format!("{name}.I_{point}_{}", tensor_name(k)),
-                    "kg m2",
-                    value[e],
-                    m * l * l,
+                    (format!("{name}.I_{point}_{}", tensor_name(k)), "kg m2"),
+                    (value[e], m * l * l),
                 );
             }
         } else {
@@ -308,10 +300,8 @@ impl Parameters {
             for (k, axis) in AXES.iter().enumerate() {
                 self.push(
                     UnknownKind::MassCentre(k),
-                    format!("{name}.com_{axis}"),
-                    "m",
-                    given.p_BoBcm_B[k],
-                    l,
+                    (format!("{name}.com_{axis}"), "m"),
+                    (given.p_BoBcm_B[k], l),
                 );
             }
         }
@@ -319,10 +309,8 @@ impl Parameters {
             for (k, &e) in TENSOR.iter().enumerate() {
                 self.push(
                     UnknownKind::CentralInertia(k),
-                    format!("{name}.I_BBcm_{}", tensor_name(k)),
-                    "kg m2",
-                    given.I_BBcm_B[e],
-                    m * l * l,
+                    (format!("{name}.I_BBcm_{}", tensor_name(k)), "kg m2"),
+                    (given.I_BBcm_B[e], m * l * l),
                 );
             }
         }
