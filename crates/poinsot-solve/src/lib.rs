@@ -5,7 +5,6 @@
 //! | triangle of a tall matrix that is never stored | [`BlockQr`], [`Triangle`] |
 //! | identifiable directions, sigma, covariance | [`Spectrum`] |
 //! | nonlinear least squares | [`levenberg_marquardt()`], [`LeastSquares`] |
-//! | linear least squares in double-double precision | [`refine()`], [`DoubleDouble`] |
 //! | shortest vector over positive semidefinite blocks | [`semidefinite`] |
 //! | minimax of several functions within linear limits | [`MinimaxSearch`], [`Polytope`] |
 //! | smoothing spline through noisy samples | [`smooth_curve`] |
@@ -44,28 +43,23 @@
 //! - `levenberg_marquardt.rs`: the loop of every nonlinear fit.
 //! - `semidefinite.rs`: the convex problem of a physical answer.
 //! - `minimax.rs`, `polytope.rs`: minimax of several functions within limits.
-//! - `refine.rs`, `double_double.rs`: linear answers in double-double precision.
 //! - `smooth_curve.rs`: smoothing spline.
 //! - `lanes.rs`: eight numbers in parallel.
 #![allow(non_snake_case)]
 
 mod block_qr;
-mod double_double;
 pub mod lanes;
 mod levenberg_marquardt;
 mod minimax;
 mod polytope;
-mod refine;
 pub mod semidefinite;
 pub mod smooth_curve;
 mod spectrum;
 
 pub use block_qr::{BlockQr, Triangle};
-pub use double_double::DoubleDouble;
 pub use levenberg_marquardt::{
     End, LeastSquares, Linearised, Minimum, Pace, Step, levenberg_marquardt,
 };
 pub use minimax::{Minimax, MinimaxOptions, MinimaxSearch, Reached, Values};
 pub use polytope::{Polytope, Side};
-pub use refine::{Refined, refine, solve_triangle};
 pub use spectrum::{DirectionSigma, NotFinite, Spectrum};

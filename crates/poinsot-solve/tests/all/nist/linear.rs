@@ -1,7 +1,9 @@
 //! The 11 linear sets, solved by the factorisation of the linear method.
 
 use crate::nist::data::Data;
-use poinsot_solve::{BlockQr, DoubleDouble, Refined, Triangle, refine, solve_triangle};
+use crate::nist::double_double::DoubleDouble;
+use crate::nist::refine::{Refined, refine, solve_triangle};
+use poinsot_solve::{BlockQr, Triangle};
 
 /// The columns of a set.
 #[derive(Clone, Copy)]

@@ -2,10 +2,12 @@
 //! factorisation of the estimators. `docs/validation/nist.md` has the tables.
 
 mod data;
+mod double_double;
 mod dual;
 mod linear;
 mod models;
 mod nonlinear;
+mod refine;
 
 use data::{Data, digits, fewest};
 use linear::{Rows, SETS};

@@ -3,14 +3,6 @@
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// `hi + lo`, where `lo` is at most half a unit in the last place of `hi`.
-///
-/// ```
-/// use poinsot_solve::DoubleDouble;
-///
-/// // One third, times three, is one to 31 digits.
-/// let (one, three) = (DoubleDouble::from(1.0), DoubleDouble::from(3.0));
-/// assert!((one / three * three - one).hi.abs() < 1.0e-31);
-/// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct DoubleDouble {
     /// The number, rounded.
@@ -92,7 +84,6 @@ impl Div for DoubleDouble {
     }
 }
 
-#[cfg(test)]
 mod tests {
     use super::*;
 

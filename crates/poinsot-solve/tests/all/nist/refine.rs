@@ -6,8 +6,8 @@
 //! each time. One double-precision triangle therefore suffices for a condition number (of equally scaled columns)
 //! below about 1e15.
 
-use crate::block_qr::Triangle;
-use crate::double_double::DoubleDouble;
+use crate::nist::double_double::DoubleDouble;
+use poinsot_solve::Triangle;
 
 /// Largest number of corrections.
 const CORRECTIONS: usize = 30;
@@ -24,16 +24,6 @@ pub struct Refined {
 }
 
 /// Solves the triangle of `[A | b]` in double precision.
-///
-/// ```
-/// use poinsot_solve::{BlockQr, solve_triangle};
-///
-/// // A line through (0, 1), (1, 3), (2, 5): 1 + 2 t.
-/// let mut qr = BlockQr::new(3);
-/// qr.push(3, |i, j| [1.0, i as f64, 1.0 + 2.0 * i as f64][j]);
-/// let x = solve_triangle(&qr.finish());
-/// assert!((x[0] - 1.0).abs() < 1.0e-14 && (x[1] - 2.0).abs() < 1.0e-14);
-/// ```
 pub fn solve_triangle(triangle: &Triangle) -> Vec<f64> {
     let n = triangle.r.ncols().saturating_sub(1);
     let rhs: Vec<f64> = (0..n).map(|i| triangle.r[(i, n)]).collect();
@@ -41,24 +31,6 @@ pub fn solve_triangle(triangle: &Triangle) -> Vec<f64> {
 }
 
 /// Refines the answer of a triangle; `value(i, j)` are the rows of `[A | b]` behind it.
-///
-/// ```
-/// use poinsot_solve::{BlockQr, DoubleDouble, refine, solve_triangle};
-///
-/// // Two columns that differ by 1e-8: condition 1e8. The answer is (1, 1) exactly.
-/// let value = |i: usize, j: usize| {
-///     let small = DoubleDouble::from(1.0e-8 * i as f64);
-///     let one = DoubleDouble::from(1.0);
-///     [one, one + small, one + one + small][j]
-/// };
-/// let mut qr = BlockQr::new(3);
-/// qr.push(5, |i, j| value(i, j).hi);
-/// let triangle = qr.finish();
-/// let refined = refine(&triangle, value);
-/// assert!(refined.x.iter().all(|x| (*x - DoubleDouble::from(1.0)).hi.abs() < 1.0e-20));
-/// // In double precision alone eight digits are lost.
-/// assert!((solve_triangle(&triangle)[0] - 1.0).abs() < 1.0e-6);
-/// ```
 pub fn refine(triangle: &Triangle, value: impl Fn(usize, usize) -> DoubleDouble) -> Refined {
     let n = triangle.r.ncols().saturating_sub(1);
     let mut x: Vec<DoubleDouble> = solve_triangle(triangle)
