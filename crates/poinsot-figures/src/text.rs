@@ -327,7 +327,7 @@ mod tests {
         assert_eq!(
             at(parsed(&long[..34])),
             format!(
-                "verdict\n\ntitle\n  mass\n    value: {}\n    meaning: quite a number of words\n      that say it\n",
+                "verdict\n\ntitle\n  mass\n    value:\n      {}\n    meaning: quite a number of words\n      that say it\n",
                 &long[..34]
             )
         );
