@@ -1,8 +1,6 @@
 //! What a filter is told before it starts.
 
-use crate::posture::Posture;
-use nalgebra::SymmetricEigen;
-use poinsot_spatial::{InertialParameters, Matrix3, Vector3};
+use poinsot_spatial::Vector3;
 
 /// Most wheels.
 pub const WHEELS: usize = 8;
@@ -266,18 +264,4 @@ impl Configuration {
             Some(j) => joint(j - JOINTS).map_or(0.0, |j| j.rate_noise),
         }
     }
-
-    /// Whether the vehicle has a positive mass and central inertia with these parameters, its joints at zero.
-    pub(crate) fn is_possible(&self, body: &[f64; PARAMETERS]) -> bool {
-        let whole = Posture::new(self, body, &[0.0; INPUTS]).whole;
-        central_moments(&whole).is_some_and(|smallest| smallest > 0.0)
-    }
-}
-
-/// Smallest principal moment about the mass centre; `None` without positive mass.
-fn central_moments(whole: &InertialParameters) -> Option<f64> {
-    let central: Matrix3 = whole.mass_properties()?.I_BBcm_B;
-    let finite = central.iter().all(|x| x.is_finite());
-    let eigen = SymmetricEigen::try_new(central, f64::EPSILON, ITERATIONS);
-    Some(eigen.filter(|_| finite)?.eigenvalues.min())
 }

@@ -2,9 +2,9 @@
 //!
 //! Everything is in B, about `Bo`. A joint moves what it carries by a twist of its own for each unit of its rate.
 
-use crate::configuration::{AXES, Configuration, INPUTS, JOINTS, Joint, PARAMETERS};
+use crate::configuration::{AXES, Configuration, INPUTS, ITERATIONS, JOINTS, Joint, PARAMETERS};
 use crate::configuration::{of_joint, of_rate};
-use nalgebra::SMatrix;
+use nalgebra::{SMatrix, SymmetricEigen};
 use poinsot_dynamics::Composite;
 use poinsot_dynamics::propagation::{BaseMotion, LockedVehicle};
 use poinsot_spatial::{
@@ -209,4 +209,20 @@ impl Posture {
         let change = turned - momentum(carried, &held);
         motion.twist_slope(&change, &centre)
     }
+}
+
+impl Configuration {
+    /// Whether the vehicle has a positive mass and central inertia with these parameters, its joints at zero.
+    pub(crate) fn is_possible(&self, body: &[f64; PARAMETERS]) -> bool {
+        let whole = Posture::new(self, body, &[0.0; INPUTS]).whole;
+        central_moments(&whole).is_some_and(|smallest| smallest > 0.0)
+    }
+}
+
+/// Smallest principal moment about the mass centre; `None` without positive mass.
+fn central_moments(whole: &InertialParameters) -> Option<f64> {
+    let central: Matrix3 = whole.mass_properties()?.I_BBcm_B;
+    let finite = central.iter().all(|x| x.is_finite());
+    let eigen = SymmetricEigen::try_new(central, f64::EPSILON, ITERATIONS);
+    Some(eigen.filter(|_| finite)?.eigenvalues.min())
 }

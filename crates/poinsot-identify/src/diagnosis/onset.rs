@@ -6,8 +6,9 @@
 //! impulse changes the momentum alone, a restart all of the state.
 
 use super::candidates::{Candidate, sensors_read};
+use super::projected::SHOWN;
 use super::pulse::pulse;
-use super::score::{ProjectedRows, SHOWN, Score, explained, found, momentum_jump, of_record};
+use super::score::{ProjectedRows, Score, explained, found, momentum_jump, of_record};
 use super::suspects::Scored;
 use super::table::{SegmentRows, Table};
 use super::types::FaultKind;

@@ -13,6 +13,9 @@ use poinsot_solve::{BlockQr, Triangle};
 /// Smallest share of a column's length after projection for a new direction.
 const NEW: f64 = 1.0e-6;
 
+/// Share of the largest square below which a combination of columns is unobservable.
+pub(super) const SHOWN: f64 = 1.0e-8;
+
 /// Candidate columns and residual clear of the fitted unknowns, block by block.
 pub(super) struct Projected {
     blocks: Vec<Block>,
@@ -190,6 +193,12 @@ impl Block {
             }),
         }
     }
+}
+
+/// One over the lengths of columns of these products; zero of one without length.
+pub(super) fn units(square: &DMatrix<f64>) -> DVector<f64> {
+    let unit = |s: f64| if s > 0.0 { 1.0 / s.sqrt() } else { 0.0 };
+    square.map_diagonal(unit)
 }
 
 /// A number over a length; zero over nothing.

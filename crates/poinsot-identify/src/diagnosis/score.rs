@@ -1,13 +1,11 @@
 //! How much of a residual columns explain beyond all that was fitted.
 
+use super::projected::{SHOWN, units};
 use super::suspects::Scored;
 use super::types::{FaultKind, Suspect};
 use crate::fit::experiment::Experiment;
 use crate::motion::Column;
 use nalgebra::{DMatrix, DVector};
-
-/// Share of the largest square below which a combination of columns is unobservable.
-pub(super) const SHOWN: f64 = 1.0e-8;
 
 /// Rows of one segment in an orthonormal basis of all that was fitted, and the residual clear of it.
 pub(super) struct ProjectedRows {
@@ -54,12 +52,6 @@ pub(super) fn momentum_jump(
         wanted[(*k, j)] = 1.0;
     }
     (!momenta.is_empty() && state.is_square()).then(|| state.lu().solve(&wanted))?
-}
-
-/// One over the lengths of columns of these products; zero of one without length.
-pub(super) fn units(square: &DMatrix<f64>) -> DVector<f64> {
-    let unit = |s: f64| if s > 0.0 { 1.0 / s.sqrt() } else { 0.0 };
-    square.map_diagonal(unit)
 }
 
 /// `g^T M^-1 g` over the observable part, in units of the columns.

@@ -6,8 +6,7 @@
 //! columns and residual. Scores are made without it. Columns along smoothed inputs share no noise with the residual.
 
 use super::candidates::Candidate;
-use super::projected::{Projected, Score};
-use super::score::{SHOWN, units};
+use super::projected::{Projected, SHOWN, Score, units};
 use super::table::Table;
 use crate::fit::Fitted;
 use crate::fit::experiment::Experiment;
