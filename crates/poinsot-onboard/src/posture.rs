@@ -2,8 +2,9 @@
 //!
 //! Everything is in B, about `Bo`. A joint moves what it carries by a twist of its own for each unit of its rate.
 
-use crate::configuration::{AXES, Configuration, INPUTS, ITERATIONS, JOINTS, Joint, PARAMETERS};
-use crate::configuration::{of_joint, of_rate};
+use crate::configuration::{
+    AXES, Configuration, INPUTS, ITERATIONS, JOINTS, Joint, PARAMETERS, of_joint, of_rate,
+};
 use nalgebra::{SMatrix, SymmetricEigen};
 use poinsot_dynamics::Composite;
 use poinsot_dynamics::propagation::{BaseMotion, LockedVehicle};
