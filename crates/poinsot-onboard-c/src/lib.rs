@@ -21,12 +21,10 @@ pub use data::{Answer, MEASURED_ATTITUDE, MEASURED_GYRO, MEASURED_POSITION, Samp
 
 use core::mem::{align_of, size_of};
 use core::ptr::addr_of_mut;
-use poinsot_onboard::{Configuration, Filter, TABLE};
+use poinsot_onboard::{COLUMNS, Configuration, Filter, TABLE};
 
 /// Version of this interface: the header has the same.
 pub const VERSION: u32 = 2;
-/// Room for eight wheels, seven joints, a position, a walking gyro bias and ten unknown parameters: what any table may ask for.
-const COLUMNS: usize = 87;
 /// Samples of the first window.
 pub const WINDOW: usize = 150;
 /// Bytes of the header's `poinsot_onboard`, enough on every target.

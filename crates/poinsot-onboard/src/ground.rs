@@ -5,11 +5,10 @@ use crate::check::Invalid;
 use crate::configuration::Configuration;
 use crate::filter::Filter;
 use crate::health::{SENSORS, SensorCounts};
+use crate::layout::COLUMNS;
 use crate::sample::Sample;
 use crate::stream::Refusal;
 
-/// Columns of eight wheels, seven joints, ten unknown numbers and a position.
-const COLUMNS: usize = 87;
 /// Samples of the first window.
 const WINDOW: usize = 300;
 

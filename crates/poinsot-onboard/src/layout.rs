@@ -89,6 +89,10 @@ impl Layout {
     }
 }
 
+/// Columns that any configuration fits into: the state with a position, the bias and all parameters, a column more for each input at the
+/// other end of an interval and for the mean of each wheel, the noises of both momenta and of the bias, and `z`.
+pub const COLUMNS: usize = INPUTS + FREE.len() + AXES + PARAMETERS + INPUTS + WHEELS + 3 * AXES + 1;
+
 /// Columns that a filter must have room for.
 pub fn required_capacity(configuration: &Configuration) -> usize {
     let layout = Layout::new(configuration);

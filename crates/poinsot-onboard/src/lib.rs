@@ -50,6 +50,7 @@ pub use configuration::{Configuration, JOINTS, Joint, Noise, WHEELS, Wheel};
 pub use filter::Filter;
 pub use ground::GroundFilter;
 pub use health::{Health, SensorCounts};
+pub use layout::COLUMNS;
 pub use sample::Sample;
 pub use stream::Refusal;
 pub use table::{TABLE, TableError};

@@ -93,6 +93,14 @@ impl OnBoard {
         configuration.unknown_position = p.into();
         let configuration = rigid.add_wheels(configuration, model)?;
         assumed.extend(unused(model));
+        let locked = model.joints.iter().filter(|j| j.locked_at.is_some());
+        assumed.extend(locked.map(|j| {
+            let (at, unit) = (j.standing_at(), channel_names::joint_unit(j));
+            format!(
+                "assumed: joint '{}' stays at {at} {unit}, unless a record has its position",
+                j.name
+            )
+        }));
         for thruster in &model.thrusters {
             rigid.on_base(thruster.body, &format!("thruster \"{}\"", thruster.name))?;
         }
