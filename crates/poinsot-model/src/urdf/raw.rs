@@ -189,12 +189,25 @@ struct Reader<'r> {
     remarks: &'r mut Vec<Remark>,
 }
 
-fn child<'a, 'i>(node: Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
-    node.children()
-        .find(|n| n.is_element() && n.tag_name().name() == name)
-}
-
 impl Reader<'_> {
+    /// The child element of a name; a second one is refused, since it would state the same again.
+    fn child<'a, 'i>(
+        &mut self,
+        node: Node<'a, 'i>,
+        name: &str,
+        subject: &str,
+    ) -> Option<Node<'a, 'i>> {
+        let is_named = |n: &Node| n.is_element() && n.tag_name().name() == name;
+        let mut all = node.children().filter(is_named);
+        let first = all.next();
+        if let Some(second) = all.next() {
+            let parent = node.tag_name().name();
+            let problem = format!("<{}> has two <{name}>", excerpt(parent, 40));
+            self.refuse(second, subject, "", problem, "keep one of them");
+        }
+        first
+    }
+
     fn refuse(
         &mut self,
         node: Node<'_, '_>,
@@ -214,16 +227,8 @@ impl Reader<'_> {
     fn link(&mut self, node: Node<'_, '_>) -> Link {
         let name = node.attribute("name").unwrap_or_default().to_owned();
         let subject = format!("link \"{}\"", excerpt(&name, 60));
-        let mut inertials = node
-            .children()
-            .filter(|n| n.is_element() && n.tag_name().name() == "inertial");
-        let inertial = inertials
-            .next()
-            .and_then(|inertial| self.inertial(inertial, &subject));
-        if let Some(second) = inertials.next() {
-            let problem = "the link has two <inertial>".to_owned();
-            self.refuse(second, &subject, "", problem, "keep one of them");
-        }
+        let inertial = self.child(node, "inertial", &subject);
+        let inertial = inertial.and_then(|inertial| self.inertial(inertial, &subject));
         Link {
             name,
             byte: node.range().start,
@@ -232,7 +237,7 @@ impl Reader<'_> {
     }
 
     fn inertial(&mut self, node: Node<'_, '_>, subject: &str) -> Option<Inertial> {
-        let mass = match child(node, "mass") {
+        let mass = match self.child(node, "mass", subject) {
             Some(mass) => self.numbers(mass, "value", subject, None),
             None => {
                 let problem = "<inertial> has no <mass value=\"...\">".to_owned();
@@ -242,7 +247,7 @@ impl Reader<'_> {
         };
         let mut elements = [0.0; 6];
         let mut whole = true;
-        match child(node, "inertia") {
+        match self.child(node, "inertia", subject) {
             Some(inertia) => {
                 for (slot, name) in elements.iter_mut().zip(ELEMENTS) {
                     match self.numbers(inertia, name, subject, None) {
@@ -270,7 +275,7 @@ impl Reader<'_> {
     }
 
     fn origin(&mut self, node: Node<'_, '_>, subject: &str) -> Option<([f64; 3], [f64; 3])> {
-        let Some(origin) = child(node, "origin") else {
+        let Some(origin) = self.child(node, "origin", subject) else {
             return Some(([0.0; 3], [0.0; 3]));
         };
         let xyz = self.numbers(origin, "xyz", subject, Some([0.0; 3]));
@@ -342,7 +347,7 @@ impl Reader<'_> {
             let remark = remark.on(format!("{subject} type"));
             self.remarks.push(remark.with_value(word, 40));
         }
-        if let Some(mimic) = child(node, "mimic") {
+        if let Some(mimic) = self.child(node, "mimic", &subject) {
             let problem = format!(
                 "mimics \"{}\" (multiplier {}, offset {}): it is used as an independent joint, and telemetry needs its column",
                 excerpt(mimic.attribute("joint").unwrap_or_default(), 60),
@@ -353,13 +358,14 @@ impl Reader<'_> {
             let remark = Remark::new(None, byte, problem, "");
             self.remarks.push(remark.on(&subject));
         }
-        let mut end = |which: &str| match child(node, which).and_then(|n| n.attribute("link")) {
-            Some(link) => link.to_owned(),
-            None => {
-                let problem = format!("the joint has no <{which} link=\"...\">");
-                self.refuse(node, &subject, "", problem, "add it");
-                String::new()
+        let mut end = |which: &str| {
+            let end = self.child(node, which, &subject);
+            if let Some(link) = end.and_then(|n| n.attribute("link")) {
+                return link.to_owned();
             }
+            let problem = format!("the joint has no <{which} link=\"...\">");
+            self.refuse(node, &subject, "", problem, "add it");
+            String::new()
         };
         let (parent, child_name) = (end("parent"), end("child"));
         let (xyz, rpy) = self.origin(node, &subject).unwrap_or_default();
@@ -383,7 +389,7 @@ impl Reader<'_> {
         if kind == JointKind::Fixed {
             return None;
         }
-        let Some(axis) = child(node, "axis") else {
+        let Some(axis) = self.child(node, "axis", subject) else {
             let problem = "no axis is given: x, the default of URDF";
             let byte = node.range().start;
             let remark = Remark::new(None, byte, problem, "");
