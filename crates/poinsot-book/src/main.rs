@@ -1,11 +1,7 @@
 //! Writes the pages of `docs/` that come from the program, or checks them.
-//!
-//! Committed, because pages of the repository link into them: commands, formats, verdicts, validation. Not committed: the list of
-//! bad input.
 
 #![allow(non_snake_case)]
 
-mod bad_input;
 mod commands;
 mod formats;
 mod validation;
@@ -47,17 +43,14 @@ fn main() -> ExitCode {
 }
 
 fn write(check: bool) -> Result<(), Fault> {
-    for page in committed()? {
+    for page in pages()? {
         if check {
             current(&page)?;
         } else {
             put(&page)?;
         }
     }
-    put(&Made {
-        name: "validation/bad_input.md".to_owned(),
-        text: bad_input::page()?,
-    })
+    Ok(())
 }
 
 /// A file of the repository.
@@ -72,8 +65,8 @@ fn read(name: &str) -> Result<String, Fault> {
     fs::read_to_string(&path).map_err(|why| format!("{}: {why}", path.display()).into())
 }
 
-/// The pages that are committed, each by the template of its name in `pages/`.
-fn committed() -> Result<Vec<Made>, Fault> {
+/// The pages, each by the template of its name in `pages/`.
+fn pages() -> Result<Vec<Made>, Fault> {
     let contexts = [
         ("reference/commands.md", commands::commands()),
         (
@@ -85,11 +78,11 @@ fn committed() -> Result<Vec<Made>, Fault> {
         ("reference/verdicts.md", verdicts::verdicts()),
         ("validation.md", validation::validation()?),
     ];
-    let mut pages = Environment::new();
-    pages.set_trim_blocks(true);
-    pages.set_loader(path_loader(repository("crates/poinsot-book/pages")));
+    let mut templates = Environment::new();
+    templates.set_trim_blocks(true);
+    templates.set_loader(path_loader(repository("crates/poinsot-book/pages")));
     let made = |(name, context): (&str, Value)| {
-        let template = pages.get_template(name.trim_start_matches("reference/"))?;
+        let template = templates.get_template(name.trim_start_matches("reference/"))?;
         let (name, text) = (name.to_owned(), template.render(context)?);
         Ok(Made { name, text })
     };
@@ -105,11 +98,7 @@ fn current(page: &Made) -> Result<(), Fault> {
 }
 
 fn put(made: &Made) -> Result<(), Fault> {
-    let path = repository("docs").join(&made.name);
-    if let Some(folder) = path.parent() {
-        fs::create_dir_all(folder)?;
-    }
-    Ok(fs::write(path, &made.text)?)
+    Ok(fs::write(repository("docs").join(&made.name), &made.text)?)
 }
 
 #[cfg(test)]
@@ -119,13 +108,8 @@ mod tests {
 
     #[test]
     fn cli_committed_pages_are_what_the_program_says() {
-        for page in committed().unwrap() {
+        for page in pages().unwrap() {
             current(&page).unwrap();
         }
-    }
-
-    #[test]
-    fn unit_the_list_of_bad_input_has_every_case() {
-        assert!(bad_input::page().unwrap().matches("\n| ").count() > 300);
     }
 }
