@@ -5,4 +5,5 @@ mod examples;
 mod floors;
 mod imports;
 mod momentum_of_trees;
+mod pages;
 mod supply_chain;
