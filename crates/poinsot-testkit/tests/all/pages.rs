@@ -39,9 +39,7 @@ fn column(rows: &[Vec<String>], names: &[&str], at: usize) -> Vec<f64> {
 /// "0.8, 0.9, 1.3 and 3.3 %", by size.
 fn list(mut percent: Vec<f64>) -> String {
     percent.sort_by(f64::total_cmp);
-    let [a, b, c, d] = percent[..] else {
-        panic!("{percent:?}")
-    };
+    let [a, b, c, d]: [f64; 4] = percent.try_into().unwrap();
     format!("{a:.1}, {b:.1}, {c:.1} and {d:.1} %")
 }
 
@@ -86,6 +84,8 @@ fn sentences() -> Vec<String> {
     let truth: serde_json::Value = serde_json::from_str(&truth).unwrap();
     let [xx, yy, zz] =
         ["xx", "yy", "zz"].map(|k| &truth["bodies"]["spacecraft"]["inertia_kg_m2"]["value"][k]);
+    let known = rows("docs/reference/interface.md");
+    let known = column(&known, &["spin inertia of a wheel"], 1);
     let trees = fs::read_to_string(root().join("validation/trees/trees.jsonl")).unwrap();
     let trees = trees.lines().count();
     let manifest = words("Cargo.toml");
@@ -115,6 +115,7 @@ fn sentences() -> Vec<String> {
         format!("at most {} combinations are identifiable", arm.unwrap()[1]),
         format!("The simulated truth is {xx}, {yy} and {zz} kg m2"),
         format!("sigma is at most [{sigma:.5} kg m2]"),
+        format!("The spin inertias of the wheels, known to {} %", known[0]),
         format!("with Rust {} or newer", &rust[..4]),
         format!("Momentum of {},{:03} random trees", trees / 1000, trees % 1000),
     ]
