@@ -209,7 +209,7 @@ fn stat_table_of_bodies_at_the_physical_limit() {
         "unknown",
         "beyond",
         "held",
-        "amiss",
+        "mismatch",
         "unsettled",
         "rejected",
         "impossible",
