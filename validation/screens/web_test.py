@@ -4,7 +4,7 @@
 Each example: the verdict, the exit code and every null are those of the command, and the numbers within 0.01 sigma; the page
 of the report shows them. A broken file and a broken model: the codes and lines of the command. A file of 50 MB: the page
 answers while it is read, and the run can be cancelled. 100,000 rows: an answer, and its time. No request, nothing on the console,
-no violation found by axe-core, contrast in light and dark. Screens lie in target/web.
+no violation found by axe-core, contrast in light and dark. The page holds the licences of its parts. Screens lie in target/web.
 
     scripts/web && python3 validation/screens/web_test.py [--poinsot PATH] [--quick]     # quick: without the 100,000 rows
 
@@ -301,6 +301,7 @@ def main():
         test.large(visit, Path(folder))
         if not arguments.quick:
             test.rows(visit, Path(folder))
+        test.need("Copyright (c) 2022 Leon Sorokin" in visit.page.value("document.querySelector('footer').textContent"), "no licence of uPlot")
         test.need(not visit.page.complaints(), f"the console says {visit.page.complaints()}")
         test.need(not visit.page.requests(), f"asked for {visit.page.requests()}")
         test.looks(browser)
