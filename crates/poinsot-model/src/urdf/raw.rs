@@ -202,7 +202,7 @@ impl Reader<'_> {
         let first = all.next();
         if let Some(second) = all.next() {
             let parent = node.tag_name().name();
-            let problem = format!("the {} has two <{name}>", excerpt(parent, 40));
+            let problem = format!("<{}> has two <{name}>", excerpt(parent, 40));
             self.refuse(second, subject, "", problem, "keep one of them");
         }
         first

@@ -90,6 +90,41 @@ fn regress_numbers_that_no_model_file_takes_are_refused() {
     );
 }
 
+/// Found by libFuzzer: of two masses the first was read and the second dropped.
+#[test]
+fn regress_an_element_that_is_stated_twice_is_refused() {
+    let inertial = [
+        r#"<origin xyz="0 0 0"/>"#,
+        r#"<mass value="20"/>"#,
+        r#"<inertia ixx="0.4" ixy="0" ixz="0" iyy="0.5" iyz="0" izz="0.6"/>"#,
+    ];
+    let joint = [
+        r#"<parent link="base"/>"#,
+        r#"<child link="head"/>"#,
+        r#"<origin xyz="0 0 1"/>"#,
+        r#"<axis xyz="0 0 1"/>"#,
+        r#"<mimic joint="neck"/>"#,
+    ];
+    let read = |twice: &str| {
+        let all = |parts: &[&str]| parts.concat().replace(twice, &twice.repeat(2));
+        let text = format!(
+            r#"<robot name="r"><link name="base"/><link name="head"><inertial>{}</inertial></link>
+            <joint name="neck" type="revolute">{}</joint></robot>"#,
+            all(&inertial),
+            all(&joint)
+        );
+        parse_urdf(&text, "r.urdf").model
+    };
+    for (parent, parts) in [("inertial", &inertial[..]), ("joint", &joint)] {
+        for part in parts {
+            let name = part.split([' ', '<']).nth(1).unwrap();
+            let error = read(part).unwrap_err().to_string();
+            let expected = format!("<{parent}> has two <{name}>; keep one of them");
+            assert!(error.contains(&expected), "{error}");
+        }
+    }
+}
+
 /// A base and a link, on a joint with this origin.
 fn with_link(inertial: &str, origin: &str) -> Result<poinsot_model::Model, poinsot_files::Faults> {
     let text = format!(
