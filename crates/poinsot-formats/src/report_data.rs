@@ -26,6 +26,9 @@ pub struct ReportData {
     pub vehicle: Vehicle,
     /// Curves, one per segment.
     pub segments: Vec<Segment>,
+    /// Cost (minus twice the log-likelihood, up to a constant) at the start and after every accepted step of the last fit; empty for a closed form.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub costs: Vec<f64>,
     /// True values from a `truth.json` next to the telemetry.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub truth: Option<TrueNumbers>,
@@ -171,6 +174,9 @@ pub struct DrawnSensor {
     pub kind: String,
     /// Body.
     pub body: String,
+    /// Position of a sensor that has one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at_m: Option<[f64; 3]>,
     /// One sigma of the first axis, SI.
     pub sigma: Option<f64>,
     /// Least significant bit, SI; zero without quantisation.

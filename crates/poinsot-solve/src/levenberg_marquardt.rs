@@ -124,6 +124,8 @@ pub struct Minimum<Iterate, Rows> {
     pub here: Linearised<Rows>,
     /// Number of steps.
     pub iterations: usize,
+    /// Cost at the start and after every accepted step.
+    pub costs: Vec<f64>,
     /// Reason of the end.
     pub end: End,
 }
@@ -247,6 +249,7 @@ pub fn levenberg_marquardt<P: LeastSquares>(
         at,
         here,
         iterations,
+        costs,
         end,
     }
 }

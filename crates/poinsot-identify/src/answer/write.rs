@@ -82,6 +82,7 @@ pub(crate) fn write(problem: &Problem, solution: &Solution) -> Estimate {
         variant: None,
         status,
         iterations: own.map_or(1, |own| own.iterations),
+        costs: own.map_or_else(Vec::new, |own| own.costs.clone()),
         remarks,
         system: whole(problem, solution, (&estimator, &bodies)),
         bodies,

@@ -87,6 +87,8 @@ pub(crate) struct Fitted {
     /// Spectrum without the priors of mass properties, where any are declared.
     pub data_alone: Option<Spectrum>,
     pub iterations: usize,
+    /// Cost at the start and after every accepted step of the last fit.
+    pub costs: Vec<f64>,
     pub converged: bool,
     /// No step lowers chi-square much: it can contradict the model.
     pub settled: bool,
@@ -106,6 +108,7 @@ fn fitted(
         at,
         here,
         iterations,
+        costs,
         end,
     } = minimum;
     let linearisation = here.rows;
@@ -134,6 +137,7 @@ fn fitted(
         spectrum: linearisation.spectrum,
         data_alone,
         iterations,
+        costs,
         // Steps end where evaluations differ by more than the steps lower the cost: near the minimum, not at it.
         converged: end == End::Converged || here.predicted_reduction < near,
         settled,

@@ -402,6 +402,7 @@ pub(crate) fn conclude(
             prior_tests: Vec::new(),
             conflict: None,
             iterations: fitted.iterations,
+            costs: fitted.costs.clone(),
             converged: fitted.converged,
             found: fitted.is_found(),
             contradicted: fitted.search == Search::Contradicted,

@@ -373,6 +373,8 @@ pub struct Estimate {
     pub status: Status,
     /// Iterations taken; one for a closed form.
     pub iterations: usize,
+    /// Cost (minus twice the log-likelihood, up to a constant) at the start and after every accepted step of the last fit; empty for a closed form.
+    pub costs: Vec<f64>,
     /// Bodies in the order of the model.
     pub bodies: Vec<BodyEstimate>,
     /// The whole vehicle at the first sample of the first segment, with the joint positions it holds

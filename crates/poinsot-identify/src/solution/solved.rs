@@ -100,6 +100,8 @@ pub(crate) struct OfLikelihood {
     /// Spectrum without the priors of mass properties, where any are declared.
     pub data_alone: Option<Spectrum>,
     pub iterations: usize,
+    /// Cost at the start and after every accepted step of the last fit.
+    pub costs: Vec<f64>,
     pub converged: bool,
     /// Whether the search ended at a minimum, by which the model can be judged.
     pub found: bool,

@@ -53,6 +53,7 @@ pub fn report_data(identified: &Identified, command: &[String]) -> ReportData {
             .cloned()
             .map(segment)
             .collect(),
+        costs: identified.estimate.costs.clone(),
         truth: truth.map(|file| true_numbers(identified, file)),
         truth_note,
     }

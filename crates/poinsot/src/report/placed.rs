@@ -55,6 +55,7 @@ pub(super) fn placed(
         name: s.name.clone(),
         kind: s.kind.word().to_owned(),
         body: name(s.body),
+        at_m: (!s.kind.is_scalar()).then(|| at(s.body, &s.p_BoS_B)),
         sigma: s.covariance().map(|c| c[(0, 0)].sqrt()),
         quantisation: s.quantisation,
     });
