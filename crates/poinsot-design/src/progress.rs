@@ -1,5 +1,6 @@
 //! The best manoeuvre so far, told while the search runs.
 
+use poinsot_files::counted;
 use serde::Serialize;
 use std::fmt;
 use std::sync::Mutex;
@@ -93,7 +94,7 @@ impl Progress {
             let found = best.as_ref().map(|b| format!(": {}", b.1));
             tracing::info!(
                 target: "poinsot::progress",
-                stage = format!("{evaluations} manoeuvres{}", found.unwrap_or_default()),
+                stage = counted(evaluations, "manoeuvre") + &found.unwrap_or_default(),
             );
         }
     }

@@ -5,8 +5,8 @@ use crate::document::{BAR, Document, Tone};
 use crate::error::PageError;
 use minijinja::{AutoEscape, Environment, Error, Output, State, Value, escape_formatter};
 use poinsot_files::{
-    HALF_WIDTH_95, escaped, is_unprintable, json_escaped, number_with_sigma, probability, rounded,
-    short, significant,
+    HALF_WIDTH_95, counted, escaped, is_unprintable, json_escaped, number_with_sigma, probability,
+    rounded, short, significant,
 };
 use serde::Serialize;
 
@@ -156,9 +156,7 @@ fn add_filters(e: &mut Environment) {
     e.add_filter("over", |x: Number, by: Number| Some(x? / by?));
     e.add_filter("exp", |x: Number| x.map(f64::exp));
     e.add_filter("interval", interval);
-    e.add_filter("counted", |n: u64, noun: &str| {
-        format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
-    });
+    e.add_filter("counted", |n: u64, noun: &str| counted(n, noun));
 }
 
 /// A signed difference, with the digits of its sigma; zero has no sign.

@@ -27,8 +27,8 @@ pub use fault::{Fault, FaultKind, Faults, MOST_FAULTS, Place, io_advice};
 pub use input::{InputError, open, read, read_text, read_tree, spooled, standard_input};
 pub use nearest::nearest;
 pub use numbers::{
-    HALF_WIDTH_95, as_read, list, number_with_sigma, probability, rounded, short, significant,
-    to_digits,
+    HALF_WIDTH_95, as_read, counted, list, number_with_sigma, probability, rounded, short,
+    significant, to_digits,
 };
 pub use plain::{
     LONGEST_LINE, error_line, escaped, escaped_lines, excerpt, is_unprintable, json_escaped,

@@ -166,6 +166,23 @@ fn exponent(x: f64) -> i32 {
     power.unwrap_or(0)
 }
 
+/// A count with its noun; the plural ends in `s`, or in `ies` for a consonant and `y`.
+///
+/// ```
+/// use poinsot_files::counted;
+///
+/// assert_eq!([counted(1_u64, "cell"), counted(2_u64, "cell")], ["1 cell", "2 cells"]);
+/// assert_eq!([counted(0_usize, "body"), counted(3_usize, "key")], ["0 bodies", "3 keys"]);
+/// ```
+pub fn counted<N: std::fmt::Display + PartialEq + From<u8>>(n: N, noun: &str) -> String {
+    let stem = noun.strip_suffix('y');
+    match stem.filter(|stem| !stem.ends_with(['a', 'e', 'o', 'u'])) {
+        _ if n == N::from(1) => format!("{n} {noun}"),
+        Some(stem) => format!("{n} {stem}ies"),
+        None => format!("{n} {noun}s"),
+    }
+}
+
 /// A probability as text: two decimals, or two significant figures below 0.01, so that none reads as zero.
 ///
 /// ```

@@ -11,7 +11,7 @@ use crate::plan::{self, Plan};
 use crate::selection::WhenFull;
 use crate::size::Rows;
 use crate::{Encoding, ReadOptions};
-use poinsot_files::{Faults, Place};
+use poinsot_files::{Faults, Place, counted};
 use std::io::{self, Read};
 use std::path::Path;
 
@@ -209,7 +209,8 @@ fn take_row(
 ) -> Result<(), Faults> {
     if record.len != plan.header.len() {
         let expected = plan.header.len();
-        let mut problem = format!("{} fields where the header has {expected}", record.len);
+        let mut problem =
+            counted(record.len, "field") + &format!(" where the header has {expected}");
         let advice = if record.cell(0).starts_with(b"#") {
             "leave the line out, or write [telemetry] comment = \"#\""
         } else if record.len > expected {

@@ -1,6 +1,7 @@
 //! An inspection as plain text.
 
 use crate::{ChannelSummary, ConventionTest, Inspection, Verdict};
+use poinsot_files::counted;
 use std::fmt;
 
 /// Titles of the columns of [`Inspection::text`].
@@ -34,7 +35,10 @@ impl Inspection {
         let mut out = String::new();
         for s in &self.sources {
             let (path, rows, [from, to], hash) = (&s.path, s.rows, s.time_s, &s.sha256);
-            out += &format!("{path}: {rows} rows, {from} to {to} s, sha256 {hash}\n");
+            out += &format!(
+                "{path}: {}, {from} to {to} s, sha256 {hash}\n",
+                counted(rows, "row")
+            );
         }
         let rows = self.channels.iter().map(ChannelSummary::cells).collect();
         out += &format!("\n{}", table(HEAD.map(str::to_owned).to_vec(), rows));

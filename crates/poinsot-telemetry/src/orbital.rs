@@ -4,7 +4,7 @@ use crate::error::map_of;
 use crate::mounting::each_row;
 use crate::{Channel, OrbitalMap, Table, resample_attitude};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use poinsot_files::Faults;
+use poinsot_files::{Faults, counted};
 
 /// Replaces attitudes relative to the orbital frame, and rates if they are too, by those relative to inertial axes: the orbital
 /// axes at time zero (x along the velocity, y opposite to the orbit normal, z down), which turn about -y.
@@ -83,7 +83,8 @@ fn each_rate(
         });
         if lost > 0 {
             table.repairs.push(format!(
-                "{lost} samples of the angular velocity left out: no attitude at their times"
+                "{} of the angular velocity left out: no attitude at the same time",
+                counted(lost, "sample")
             ));
         }
     }

@@ -19,7 +19,7 @@ use parquet::column::reader::ColumnReader;
 use parquet::errors::ParquetError;
 use parquet::file::metadata::ParquetMetaData;
 use parquet::file::reader::{FileReader, RowGroupReader, SerializedFileReader};
-use poinsot_files::{Faults, Place, check_memory};
+use poinsot_files::{Faults, Place, check_memory, counted};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -181,8 +181,8 @@ fn changed(path: &Path, recover: bool) -> Result<String, Faults> {
 fn cut(place: &Place, sound: u64, declared: u64, recover: bool) -> Result<String, Faults> {
     if recover && sound > 0 {
         return Ok(format!(
-            "{place}: {} rows from here on dropped: a page does not match its checksum",
-            declared - sound
+            "{place}: {} from here on dropped: a page does not match its checksum",
+            counted(declared - sound, "row")
         ));
     }
     let more = match sound {

@@ -1,7 +1,7 @@
 //! Checks of quaternions: unit norm, continuous sign.
 
 use crate::error::not_strict;
-use poinsot_files::{Faults, Place, as_read, rounded};
+use poinsot_files::{Faults, Place, as_read, counted, rounded};
 use std::path::Path;
 
 /// Norms this close to one are not changed: a few units in the last place.
@@ -74,8 +74,8 @@ pub(crate) fn tidy(
     }
     if tally.flips > 0 {
         repairs.push(format!(
-            "{} changes of quaternion sign undone (the same attitude)",
-            tally.flips
+            "{} of quaternion sign undone (the same attitude)",
+            counted(tally.flips, "change")
         ));
     }
     Ok(repairs
@@ -108,20 +108,18 @@ impl Tally {
         }
         if self.beyond_rounding > 0 {
             repairs.push(format!(
-                "warning: {} quaternions are off unit norm by more than 1e-3, more than rounding explains; check where they come from",
-                self.beyond_rounding
+                "warning: {} off unit norm by more than 1e-3, more than rounding explains; check the source",
+                counted(self.beyond_rounding, "quaternion")
             ));
         }
         if self.zero > 0 {
-            repairs.push(format!(
-                "{} zero quaternions treated as missing samples",
-                self.zero
-            ));
+            let zero = counted(self.zero, "zero quaternion");
+            repairs.push(format!("{zero} treated as missing samples"));
         }
         if self.partial > 0 {
             repairs.push(format!(
-                "{} quaternions with missing components treated as missing samples",
-                self.partial
+                "{} with missing components treated as missing samples",
+                counted(self.partial, "quaternion")
             ));
         }
         repairs
@@ -150,7 +148,7 @@ mod tests {
         assert_eq!(q[2], [h, h, h]);
         assert_eq!(
             repairs,
-            ["a.csv column 'q_x': 1 changes of quaternion sign undone (the same attitude)"]
+            ["a.csv column 'q_x': 1 change of quaternion sign undone (the same attitude)"]
         );
     }
 

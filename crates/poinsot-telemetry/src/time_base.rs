@@ -5,7 +5,7 @@ use crate::conversion::Conversion;
 use crate::error::not_strict;
 use crate::median::median_step;
 use crate::plan::{Plan, PlannedChannel};
-use poinsot_files::{Faults, Place, as_read, rounded};
+use poinsot_files::{Faults, Place, as_read, counted, rounded};
 use std::path::Path;
 
 /// Median steps outside this range, s, indicate a wrong unit.
@@ -149,16 +149,16 @@ fn join(
         return Ok(());
     }
     columns.retain(&keep);
-    let joined = "joined to the row before them, which has their time";
+    let joined = "joined to the row before, which has the same time";
     let told = [
-        (repeated, "that repeat the row before them dropped"),
+        (repeated, "dropped: the same as the row before"),
         (completed, joined),
     ];
     // Rows that belong to one channel each, or to none, are no repetition.
     let every_row = !plan.chooses_all() && !plan.channels.is_empty();
     for ((count, first), what) in told.into_iter().filter(|t| every_row && t.0.0 > 0) {
         let place = Place::row(path, first);
-        let repair = format!("{count} rows {what}");
+        let repair = format!("{} {what}", counted(count, "row"));
         if strict {
             return Err(not_strict(place, &repair));
         }

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use poinsot_dynamics::propagation::MOST_MODES;
-use poinsot_files::Place;
+use poinsot_files::{Place, counted};
 use poinsot_model::read_model_text;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -125,8 +125,8 @@ pub fn import_modes(path: &Path, body: &str) -> Result<ModeTable, Error> {
     let left = ranked.split_off(rows.len().min(MOST_MODES));
     if !left.is_empty() {
         notes.push(format!(
-            "{} modes with smaller participation in rotation: a vehicle has at most {MOST_MODES}; they move with the body",
-            left.len()
+            "{} with smaller participation in rotation: a vehicle has at most {MOST_MODES}; they move with the body",
+            counted(left.len(), "mode")
         ));
     }
     let kept = rows.iter().enumerate().filter(|(k, _)| ranked.contains(k));

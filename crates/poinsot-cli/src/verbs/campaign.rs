@@ -7,7 +7,7 @@ use poinsot::campaign::{
     slurm_scripts,
 };
 use poinsot::{Error, ErrorKind, check_outputs, thread_count, write_files};
-use poinsot_files::{Fault, Place, memory_limit, time_limit};
+use poinsot_files::{Fault, Place, counted, memory_limit, time_limit};
 use poinsot_formats::{CampaignFile, WrittenFile};
 use poinsot_report::{campaign_document, cost_document};
 use std::path::Path;
@@ -75,7 +75,7 @@ pub fn shown(json: bool, quiet: bool, ran: &CampaignRun) -> Outcome {
                 ..WrittenFile::of(&ran.written)
             });
         } else if !quiet {
-            note(&format!("{} shards run", ran.shards));
+            note(&format!("{} run", counted(ran.shards, "shard")));
         }
         return Ok(0);
     };
@@ -100,9 +100,10 @@ fn print_far(so_far: &CampaignFile) {
                 format!("{name} {percent:.1}")
             });
             let words: Vec<String> = coverage.take(6).collect();
-            let (of, by, n) = (&cell.experiment, &method.method, method.trials);
+            let (of, by) = (&cell.experiment, &method.method);
+            let n = counted(method.trials, "trial");
             let words = words.join(", ");
-            note(&format!("{of} {by}: {n} trials, coverage % {words}"));
+            note(&format!("{of} {by}: {n}, coverage % {words}"));
         }
     }
 }
@@ -163,8 +164,8 @@ fn supervised(arguments: &Campaign, plan: &Plan, out: &Path, processes: u64) -> 
                     false => "given up",
                 };
                 note(&format!(
-                    "process {share} of {processes} ended by {ended} with {} shards missing, the first {at}: {again}",
-                    missing.len()
+                    "process {share} of {processes} ended by {ended} with {} missing, the first {at}: {again}",
+                    counted(missing.len(), "shard")
                 ));
                 if crashes < TRIES {
                     running.push((share, crashes + 1, start(share)?));

@@ -3,6 +3,7 @@
 use super::{Outcome, note, print_file, written};
 use crate::arguments::Import;
 use poinsot::{Error, check_outputs};
+use poinsot_files::counted;
 use poinsot_model::UrdfOptions;
 
 pub fn run(arguments: &Import) -> Outcome {
@@ -49,9 +50,9 @@ fn robot(arguments: &Import) -> Result<Imported, Error> {
         .map(|found| format!("note: {}:{found}", file.display()));
     let mut notes: Vec<String> = said.collect();
     notes.push(format!(
-        "{} bodies, {} joints; add sensors with their noise, and set estimate on the unknown bodies",
-        model.bodies.len(),
-        model.joints.len()
+        "{}, {}; add sensors with their noise, and set estimate on the unknown bodies",
+        counted(model.bodies.len(), "body"),
+        counted(model.joints.len(), "joint")
     ));
     Ok((text, notes))
 }

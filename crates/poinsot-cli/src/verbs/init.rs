@@ -3,7 +3,7 @@
 use super::{Outcome, asked, exit_of, note, print, print_json, reading};
 use crate::arguments::Init;
 use poinsot::{Draft, Error, check_outputs, init, segment_files};
-use poinsot_files::error_line;
+use poinsot_files::{counted, error_line};
 use poinsot_formats::{QuestionFile, WrittenFile};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -68,8 +68,7 @@ fn remaining(out: &Path, questions: &[QuestionFile], files: &[PathBuf]) -> Strin
     let names: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
     let first = match questions.len() {
         0 => String::new(),
-        1 => "Answer 1 question in the file, then: ".to_owned(),
-        open => format!("Answer {open} questions in the file, then: "),
+        open => format!("Answer {} in the file, then: ", counted(open, "question")),
     };
     format!(
         "{text}{first}poinsot identify -m {path} {}\n",

@@ -375,7 +375,7 @@ fn cli_a_campaign_says_what_it_costs_and_what_it_found() {
     succeeded(&output);
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     for word in [
-        "small: 16 fits (2 cells, 1 methods, 8 trials of each)",
+        "small: 16 fits (2 cells, 1 method, 8 trials of each)",
         "interval, noise=2",
         "coverage %",
     ] {

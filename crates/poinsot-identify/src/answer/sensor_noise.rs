@@ -8,6 +8,7 @@ use crate::diagnosis::octaves::Octave;
 use crate::problem::settings::Settings;
 use crate::solution::estimate::SegmentFit;
 use crate::solution::evidence::{Effect, Remark};
+use poinsot_files::counted;
 
 /// Thresholds of one test.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -196,8 +197,7 @@ impl<'a> SensorNoise<'a> {
     fn row(&self, t: &Tested) -> Remark {
         let level = match (t.is_level, t.octave.readings) {
             (false, _) => String::new(),
-            (true, 1) => " over 1 sample".to_owned(),
-            (true, samples) => format!(" over {samples} samples"),
+            (true, samples) => format!(" over {}", counted(samples, "sample")),
         };
         let test = format!("residual of the {}{}{level}", self.name, place(t.segment));
         let times = t.octave.mean_square().sqrt();

@@ -23,6 +23,7 @@ use crate::solution::evidence::{Effect, Remark};
 use nalgebra::SymmetricEigen;
 use poinsot_dynamics::propagation::{MOST_MODES, ModeNumber};
 use poinsot_dynamics::{Kinematics, composite};
+use poinsot_files::counted;
 use poinsot_model::{FlexibleMode, Mode, ModeEstimate, Model};
 use poinsot_spatial::{Matrix3, TENSOR, Vector3};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -417,12 +418,8 @@ fn evidence(problem: &Problem, before: f64, ended: &FinishedFit) -> Remark {
         format!("{:.3} Hz ({damping:.1} % damping)", m.frequency_Hz)
     };
     let list: Vec<String> = modes.iter().map(each).collect();
-    let count = problem.model.modes.len();
-    let words = format!(
-        "with {count} flexible mode{} found in the data: {}",
-        if count == 1 { "" } else { "s" },
-        list.join(", ")
-    );
+    let count = counted(problem.model.modes.len(), "flexible mode");
+    let words = format!("with {count} found in the data: {}", list.join(", "));
     let decrease = before - solution.residual.0;
     Remark::test("flexible modes", Effect::None, words)
         .statistic("decrease of chi-square", decrease)

@@ -1,6 +1,6 @@
 //! Faults of a problem; their codes are stable.
 
-use poinsot_files::{Fault, Faults, Place};
+use poinsot_files::{Fault, Faults, Place, counted};
 use poinsot_solve::NotFinite;
 
 /// Most mass properties, or uncertain known numbers, that are solved for together: their spectrum costs the cube of it.
@@ -47,7 +47,7 @@ pub fn too_few_samples(segment: &str, samples: usize) -> Faults {
     Faults::one(
         "E0404",
         Place::item("segment", segment),
-        format!("{samples} samples are not enough, at least 2 are needed"),
+        format!("{}, at least 2 are needed", counted(samples, "sample")),
         "give a longer record",
     )
 }

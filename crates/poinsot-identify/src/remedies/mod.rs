@@ -14,6 +14,7 @@ use crate::solution::estimate::UnobservableCombination;
 use crate::solution::solved::{OfLikelihood, Solution};
 use baseline::Baseline;
 use gains::Gains;
+use poinsot_files::counted;
 use poinsot_solve::Spectrum;
 
 /// Share of a direction's square that must be identified for it to count as resolved.
@@ -211,11 +212,14 @@ impl<'a> Tried<'a> {
         let sentence = match &together {
             Some(together) if closes => together.words.clone(),
             Some(together) => format!(
-                "none of {} changes resolves it, nor {} of them together",
-                self.changes.len(),
+                "none of {} resolves it, nor {} of them together",
+                counted(self.changes.len(), "change"),
                 together.size
             ),
-            None => format!("none of {} changes resolves it", self.changes.len()),
+            None => format!(
+                "none of {} resolves it",
+                counted(self.changes.len(), "change")
+            ),
         };
         self.together = together;
         sentence

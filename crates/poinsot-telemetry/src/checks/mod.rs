@@ -11,7 +11,7 @@ mod stuck;
 mod wrap;
 
 use crate::{Change, Channel, Dimension, Repair, Table, full_name, median_step};
-use poinsot_files::{Faults, Place};
+use poinsot_files::{Faults, Place, counted};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -387,8 +387,8 @@ fn gaps(channel: &Channel) -> Option<Finding> {
     let lost: f64 = long.iter().map(|g| g.1 - step).sum();
     (!long.is_empty()).then(|| {
         let text = format!(
-            "{} gaps, the longest {longest:.6} s, {lost:.6} s lost in all; no value is interpolated across them",
-            long.len()
+            "{}, the longest {longest:.6} s, {lost:.6} s lost in all; no value is interpolated across them",
+            counted(long.len(), "gap")
         );
         let name = full_name(&channel.sensor, &channel.name);
         let begins = long.iter().map(|g| g.0).collect();

@@ -43,9 +43,12 @@ pub(super) fn find(channel: &Channel) -> Option<(Vec<usize>, String)> {
         .collect();
     let worst = from_median.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
     (!far.is_empty()).then(|| {
+        let differ = match far.len() {
+            1 => "1 sample differs from its neighbours".to_owned(),
+            n => format!("{n} samples differ from their neighbours"),
+        };
         let text = format!(
-            "{} samples differ from their neighbours by up to {} {}, more than {FAR} robust sigmas ({})",
-            far.len(),
+            "{differ} by up to {} {}, more than {FAR} robust sigmas ({})",
             rounded(worst, 4),
             channel.unit,
             rounded(noise, 4)

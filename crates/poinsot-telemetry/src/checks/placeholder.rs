@@ -27,8 +27,9 @@ pub(super) fn find(channel: &Channel) -> Option<(Vec<usize>, String)> {
     Some((
         samples,
         format!(
-            "{} occurs in {count} samples, far from all others: probably a placeholder; write it as invalid in its column of the map, or use --policy placeholder=exclude",
-            poinsot_files::as_read(value)
+            "{} occurs in {}, far from all others: probably a placeholder; write it as invalid in its column of the map, or use --policy placeholder=exclude",
+            poinsot_files::as_read(value),
+            poinsot_files::counted(count, "sample")
         ),
     ))
 }

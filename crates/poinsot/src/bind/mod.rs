@@ -25,7 +25,7 @@ use channels::{Channels, joint_columns};
 use driven_wheels::DrivenWheels;
 use noise::declared_noise;
 use poinsot_dynamics::Tree;
-use poinsot_files::{Place, list};
+use poinsot_files::{Place, counted, list};
 use poinsot_identify::{Noise, Problem, Samples, Segment};
 use poinsot_model::{Model, SensorKind};
 use poinsot_telemetry::Table;
@@ -212,7 +212,10 @@ fn bind_table(
         return Err(Error::one(
             "E0303",
             Place::label(label),
-            format!("{most} samples have all required channels at one time, but 2 are required"),
+            format!(
+                "{} with all required channels at one time, but 2 are required",
+                counted(most, "sample")
+            ),
             "give a longer record, or files whose times overlap",
         ));
     }

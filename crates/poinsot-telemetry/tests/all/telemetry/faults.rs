@@ -78,7 +78,7 @@ fn unit_rows_and_headers() {
         (
             "time_s,omega_x\n0,1\n1\n2,3\n",
             "E0204 run.csv:3",
-            "1 fields where the header has 2",
+            "1 field where the header has 2",
         ),
         (
             "time_s,omega_x\n0,1,5\n1,1,5\n",
@@ -181,9 +181,9 @@ fn unit_a_repeated_row_is_dropped_and_listed() {
     assert_eq!(table.channel("omega_x").unwrap().values, [1.0, 2.0, 3.0]);
     assert_eq!(
         table.repairs,
-        ["run.csv:4: 1 rows that repeat the row before them dropped (this is the first)"]
+        ["run.csv:4: 1 row dropped: the same as the row before (this is the first)"]
     );
-    assert_told(&strict(text), "E0218 run.csv:4", "1 rows");
+    assert_told(&strict(text), "E0218 run.csv:4", "1 row dropped");
 }
 
 #[test]
