@@ -557,13 +557,21 @@ fn check_header(path: &Path, header: &[String]) -> Result<(), Faults> {
     let mut seen = HashSet::new();
     for name in header.iter().filter(|h| !h.is_empty()) {
         if !seen.insert(name) {
-            let problem = format!("column '{name}' is twice in the header");
-            let advice = "rename one".to_owned();
-            return Err(fault(problem, advice));
+            let (problem, advice) = match no_names(header) {
+                true => ("the first row has numbers".to_owned(), NO_HEADER),
+                false => (
+                    format!("column '{name}' is twice in the header"),
+                    "rename one",
+                ),
+            };
+            return Err(fault(problem, advice.to_owned()));
         }
     }
     Ok(())
 }
+
+/// What to do where the first row has numbers.
+const NO_HEADER: &str = "the file has no header: write one above the first row, such as time_s,omega_x,omega_y,omega_z; or write [telemetry] header_row = 0 and time = { column = \"1\" }, as its columns are then \"1\", \"2\" and so on";
 
 /// Whether a header has numbers in place of names.
 fn no_names(header: &[String]) -> bool {
@@ -588,11 +596,9 @@ fn no_time(path: &Path, header: &[String], header_row: Option<u64>) -> Faults {
                 (Some(0), _) => {
                     "name the column of the time by its number: [telemetry] time = { column = \"1\" }"
                 }
-                (_, true) => {
-                    "the file has no header: write [telemetry] header_row = 0 and time = { column = \"1\" }, as its columns are then \"1\", \"2\" and so on"
-                }
+                (_, true) => NO_HEADER,
                 _ => {
-                    "name the column of the time: [telemetry] time = { column = \"...\", unit = \"s\" }"
+                    "name the column of the time: [telemetry] time = { column = \"...\", unit = \"s\" }; without one, add time_s: the row number over the sample rate"
                 }
             };
             (

@@ -12,6 +12,12 @@ use words::{Rule, Word, vocabulary};
 /// Most columns of a header that are looked at: their groups are compared with one another.
 const MOST: usize = 4000;
 
+/// Letters and words of flight mechanics, body rates and Euler angles. Alone, each means something else.
+const TRIOS: [([&str; 3], [&str; 3]); 2] = [
+    (["p", "q", "r"], ["omega_x", "omega_y", "omega_z"]),
+    (["phi", "theta", "psi"], ["roll", "pitch", "yaw"]),
+];
+
 /// What a column measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize)]
 pub enum Kind {
@@ -128,7 +134,8 @@ pub struct Recognition {
 /// ```
 pub fn recognise(header: &[String], units: &[Option<Unit>]) -> Recognition {
     let below = |k: usize| units.get(k).copied().flatten();
-    let columns = header.iter().enumerate().take(MOST);
+    let spelled = with_trios(header.get(..MOST).unwrap_or(header));
+    let columns = spelled.iter().enumerate();
     let mut groups: Vec<Vec<Found>> = Vec::new();
     for one in columns.filter_map(|(k, column)| found(k, column, below(k))) {
         let same = |g: &&mut Vec<Found>| {
@@ -152,6 +159,44 @@ pub fn recognise(header: &[String], units: &[Option<Unit>]) -> Recognition {
         channels,
         attitudes,
     }
+}
+
+/// The header with letters and words of flight mechanics spelled out where all three stand in names that have nothing else
+/// different.
+fn with_trios(header: &[String]) -> Vec<String> {
+    let mut names = header.to_vec();
+    for (tokens, words) in TRIOS {
+        let parts = tokens.map(|token| {
+            let all = header.iter().enumerate();
+            let all = all.filter_map(|(k, name)| Some((k, around(name, token)?)));
+            all.collect::<Vec<_>>()
+        });
+        for (_, rest) in &parts[0] {
+            let own = |all: &Vec<(usize, _)>| -> Vec<usize> {
+                let same = all.iter().filter(|(_, other)| other == rest);
+                same.map(|(k, _)| *k).collect()
+            };
+            if let [[x], [y], [z]] = parts.each_ref().map(own).each_ref().map(Vec::as_slice) {
+                for (k, word) in [x, y, z].into_iter().zip(words) {
+                    names[*k] = format!("{}{word}{}", rest.0, rest.1);
+                }
+            }
+        }
+    }
+    names
+}
+
+/// What stands around a token of a name without component and number.
+fn around<'n>(name: &'n str, token: &str) -> Option<(&'n str, &'n str)> {
+    let lower = name.to_ascii_lowercase();
+    let (head, tail) = lower.match_indices(token).find_map(|(at, _)| {
+        let (head, tail) = (name.get(..at)?, name.get(at + token.len()..)?);
+        let inside =
+            head.ends_with(char::is_alphanumeric) || tail.starts_with(char::is_alphanumeric);
+        (!inside).then_some((head, tail))
+    })?;
+    let rest = Name::of(&format!("{head}_{tail}"), None);
+    (rest.axis.is_none() && rest.number.is_none()).then_some((head, tail))
 }
 
 fn found(column: usize, text: &str, below: Option<Unit>) -> Option<Found> {

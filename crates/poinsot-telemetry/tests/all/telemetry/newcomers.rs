@@ -6,6 +6,8 @@ use poinsot_telemetry::{Kind, recognise};
 const HEADERS: &str = include_str!("headers.tsv");
 /// The same, collected after the vocabulary was written.
 const LATER: &str = include_str!("headers_later.tsv");
+/// Of simulators, mission tools and autopilots.
+const PUBLIC: &str = include_str!("headers_public.tsv");
 
 /// What a name was taken for: its channel without the sensor, the form of an attitude whose order or unit is open, or "-".
 fn taken(header: &[String]) -> Vec<String> {
@@ -65,4 +67,22 @@ fn xval_names_of_headers_collected_later() {
     assert!(wrong.is_empty(), "{wrong:#?}");
     assert!(recognised as f64 >= 0.9 * channels as f64, "{missed:#?}");
     assert_eq!((recognised, channels), (124, 128), "{missed:#?}");
+}
+
+/// The same of public systems, with the letters of flight mechanics.
+#[test]
+fn xval_names_of_public_systems() {
+    let (channels, recognised, wrong, missed) = count(PUBLIC);
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    assert!(recognised as f64 >= 0.9 * channels as f64, "{missed:#?}");
+}
+
+/// Letters p, q, r are body rates only where all three stand alone, and of one owner.
+#[test]
+fn prop_one_letter_of_three_is_no_body_rate() {
+    for header in ["t p q", "t q r", "t p q r p", "t a_p b_q c_r", "t p1 q2 r3"] {
+        let header: Vec<String> = header.split(' ').map(str::to_owned).collect();
+        let taken = taken(&header);
+        assert!(!taken.iter().any(|c| c.starts_with("omega")), "{taken:?}");
+    }
 }
