@@ -47,6 +47,13 @@
     for (const f of files) button("Save " + f.label, () => save(f.name, f.text));
     bar.appendChild(said);
   }
+  // On paper everything is open: a closed section has no width to draw curves in.
+  let closed = [];
+  addEventListener("beforeprint", () => {
+    closed = [...document.querySelectorAll("details:not([open]), [data-choice][hidden]")];
+    for (const part of closed) { part.removeAttribute("name"); part.open = true; part.hidden = false; }
+  });
+  addEventListener("afterprint", () => closed.forEach(part => { part.open = false; part.hidden = "choice" in part.dataset; }));
   document.addEventListener("toggle", () => document.dispatchEvent(new CustomEvent("poinsot:shown")), true);
   // The bytes of a page do not depend on the time; its file has a date.
   const written = new Date(document.lastModified).toISOString().slice(0, 16).replace("T", " ");

@@ -12,6 +12,8 @@ const WIDTH: f64 = 860.0;
 const HEIGHT: f64 = 220.0;
 /// Width of a letter of an axis name, including spacing, px.
 const LETTER: f64 = 8.5;
+/// Height of a slanted name (60 degrees) over its length with spacing.
+const SLANTED: f64 = 0.75;
 const LEFT: f64 = 76.0;
 const RIGHT: f64 = 14.0;
 const TOP: f64 = 8.0;
@@ -113,12 +115,14 @@ impl Plot {
     /// The plot without title and legend; `None` if there is nothing to draw. A nested SVG clips the curves.
     pub(crate) fn drawing(&self) -> Result<Option<Drawing>, PageError> {
         let width = if self.half { WIDTH / 2.0 } else { WIDTH };
-        let height = if self.height > 0.0 {
+        let chosen = if self.height > 0.0 {
             self.height
         } else {
             HEIGHT
         };
-        let [w, h] = [width - LEFT - RIGHT, height - TOP - BOTTOM];
+        let [w, h] = [width - LEFT - RIGHT, chosen - TOP - BOTTOM];
+        let slant = self.slant(w);
+        let height = chosen + slant;
         let Some(frame) = Frame::new(self, [w, h]) else {
             return Ok(None);
         };
@@ -135,7 +139,7 @@ impl Plot {
             x = format!("{x} of {owner}");
         }
         let context = context! {
-            x, w, h, height, levels,
+            x, w, h, height, levels, slant,
             y => labelled(&self.y, frame.exponent),
             left => LEFT, top => TOP,
             along => self.along(&frame),
@@ -165,7 +169,7 @@ impl Plot {
         prefix
     }
 
-    /// Horizontal ticks: numbers, or names as far as there is room.
+    /// Horizontal ticks: numbers, or names.
     fn along(&self, frame: &Frame) -> Vec<Place> {
         let mark = |x: f64, text: &str| Place {
             at: px(LEFT + frame.along(x)),
@@ -178,17 +182,21 @@ impl Plot {
             return all.iter().map(text).collect();
         }
         let common = self.common_prefix().len();
-        let longest = self.names.iter().map(|n| n.len() - common).max();
-        let needed = (longest.unwrap_or(0) * self.names.len()) as f64 * LETTER;
-        let step = (needed / frame.size[0]).ceil().max(1.0) as usize;
         let names = self.names.iter().enumerate();
-        let text = |name: &'_ str, k: usize| match k % step {
-            0 => name[common..].to_owned(),
-            _ => String::new(),
-        };
         names
-            .map(|(k, name)| mark((k + 1) as f64, &text(name, k)))
+            .map(|(k, name)| mark((k + 1) as f64, &name[common..]))
             .collect()
+    }
+
+    /// Height that names take below their ticks, px, if they are slanted; zero where they fit side by side.
+    fn slant(&self, wide: f64) -> f64 {
+        let common = self.common_prefix().len();
+        let longest = self.names.iter().map(|n| n.len() - common).max();
+        let longest = longest.unwrap_or(0) as f64 * LETTER;
+        match longest * self.names.len() as f64 > wide {
+            true => SLANTED * longest,
+            false => 0.0,
+        }
     }
 
     /// Vertical ticks.
@@ -196,14 +204,22 @@ impl Plot {
         let wanted = (frame.size[1] / 36.0).max(3.0) as usize;
         let mut all = ticks(frame.y[0], frame.y[1], wanted);
         all.retain(|t| !self.log || t.fract().abs() < 1.0e-9);
-        let mark = |t: &f64| Place {
-            at: px(TOP + frame.raised(*t)),
-            text: match self.log {
-                true => format!("10{}", superscript(t.round() as i32)),
-                false => tick_text(*t, &all),
-            },
+        let mark = |at: f64, text: String| Place {
+            at: px(TOP + frame.raised(at)),
+            text,
         };
-        all.iter().map(mark).collect()
+        if self.log && all.len() < 2 {
+            // Fewer than two powers of ten: round numbers between them.
+            let [low, high] = frame.y.map(|y| 10.0_f64.powf(y));
+            let all = ticks(low, high, wanted);
+            let round = all.iter().map(|t| mark(t.log10(), tick_text(*t, &all)));
+            return round.collect();
+        }
+        let text = |t: f64| match self.log {
+            true => format!("10{}", superscript(t.round() as i32)),
+            false => tick_text(t, &all),
+        };
+        all.iter().map(|t| mark(*t, text(*t))).collect()
     }
 }
 
