@@ -45,6 +45,12 @@
         for (const k of [0, 1, 2, 0, 2, 3]) this.point(...corners[k], ink);
       }
     }
+    box(centre, axes, ink) {
+      for (const [a, b, c] of [0, 1, 2].map(k => [axes[k], axes[(k + 1) % 3], axes[(k + 2) % 3]])) for (const s of [1, -1]) {
+        const face = add(centre, a, s), n = unit([0, 1, 2].map(i => s * a[i]));
+        for (const [u, v] of [[-1, -1], [1, -1], [1, 1], [-1, -1], [1, 1], [-1, 1]]) this.point(add(add(face, b, u), c, v), n, ink);
+      }
+    }
     tube(points, radius, inks) {
       let before = null;
       points.forEach((p, i) => {
@@ -81,7 +87,7 @@
   class Picture {
     constructor(figure) {
       this.figure = figure;
-      this.data = JSON.parse(figure.querySelector(".scene-data").textContent);
+      this.data = Picture.together(JSON.parse(figure.querySelector(".scene-data").textContent));
       this.canvas = document.createElement("canvas");
       const gl = this.gl = this.canvas.getContext("webgl2", { antialias: true, premultipliedAlpha: true, preserveDrawingBuffer: true });
       if (!gl || !this.program()) return;
@@ -89,7 +95,7 @@
       // Low over the invariable plane, so that the point of contact is seen.
       this.yaw = -0.9; this.pitch = this.roll && this.roll.free ? 0.18 : 0.42; this.zoom = 1; this.view = this.roll && this.roll.free ? "space" : "body";
       this.timed = this.roll || this.data.tree;
-      this.extent = this.data.extent; this.centre = this.roll ? [0, 0, 0] : this.data.centre;
+      this.extent = this.data.extent; this.centre = this.data.centre; this.apart = this.data.beside ? 1.2 * this.extent : 0;
       const q = matchMedia("(prefers-reduced-motion: reduce)");
       this.idle = !q.matches;
       const defined = this.roll ? this.roll.pole.map((p, k) => p ? k : -1).filter(k => k >= 0) : [];
@@ -109,6 +115,19 @@
       new IntersectionObserver(seen => { this.seen = seen[0].isIntersecting; this.wake(); }).observe(this.canvas);
       this.ready = true;
       this.draw();
+    }
+    // The bodies of the scene beside follow the one body of the scene, at the same size.
+    static together(d) {
+      const b = d.beside, f = b && d.extent / b.extent, at = p => p && p.map((x, k) => d.centre[k] + f * (x - b.centre[k]));
+      if (!b) return d;
+      const next = item => ({ ...item, body: item.body + 1 });
+      d.ellipsoids.push(...b.ellipsoids.map(e => ({ ...next(e), centre: at(e.centre), axes: e.axes.map(a => a.map(x => f * x)) })));
+      d.curves.push(...b.curves.map(c => ({ ...next(c), points: c.points.map(at) })));
+      d.arrows.push(...b.arrows.map(a => ({ ...next(a), from: at(a.from), to: at(a.to) })));
+      d.spots.push(...b.spots.map(s => ({ ...next(s), at: at(s.at) })));
+      const hinge = j => ({ ...j, parent: j.parent + 1, child: j.child + 1, origin: at(j.origin), moved: j.slides ? j.moved.map(x => f * x) : j.moved });
+      d.tree = b.tree && { ...b.tree, bodies: b.tree.bodies + 1, joints: b.tree.joints.map(hinge) };
+      return d;
     }
     program() {
       const gl = this.gl, p = gl.createProgram();
@@ -241,7 +260,7 @@
       gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
       [3, 3, 4].forEach((size, k) => { gl.enableVertexAttribArray(k); gl.vertexAttribPointer(k, size, gl.FLOAT, false, 40, [0, 12, 24][k]); });
       const columns = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map(e => turn(q, e));
-      const off = add(offset, this.centre, -1);
+      const off = add(offset, this.eye.centre, -1);
       const row = (axis, s) => [...columns.map(c => s * dot(axis, c)), s * dot(axis, off)];
       const rows = [row(right, sx), row(up, sy), row(towards, -depth), [0, 0, 0, 1]];
       gl.uniformMatrix4fv(this.place, true, rows.flat());
@@ -252,9 +271,9 @@
     build() {
       const thin = 0.012 * this.extent, d = this.data;
       const tree = d.tree, clear = new Mesh();
-      const bodies = Array.from({ length: tree ? tree.bodies : 1 }, () => new Mesh());
-      const of = item => bodies[item.body];
-      d.ellipsoids.forEach(e => e.faint ? clear.ellipsoid(e.centre, e.axes, this.colour(e.colour, 0.16)) : of(e).ellipsoid(e.centre, e.axes, this.colour(e.colour)));
+      const bodies = Array.from({ length: tree ? tree.bodies : this.apart ? 2 : 1 }, () => new Mesh());
+      const of = item => bodies[item.body] || bodies[bodies.length - 1];
+      d.ellipsoids.forEach(e => e.faint ? clear.ellipsoid(e.centre, e.axes, this.colour(e.colour, 0.16)) : of(e)[e.boxed ? "box" : "ellipsoid"](e.centre, e.axes, this.colour(e.colour)));
       d.curves.forEach(c => of(c).tube(c.points, (c.shares ? 1.25 : 0.7) * thin, i => c.shares ? [...ramp(c.shares[i]), 1] : this.colour(c.colour)));
       d.arrows.forEach(a => of(a).arrow(a.from, a.to, 0.6 * thin, this.colour(a.colour)));
       d.spots.forEach(s => of(s).ball(s.at, 1.6 * thin, this.colour(s.colour)));
@@ -274,9 +293,10 @@
     poses(own) {
       const tree = this.data.tree, k = this.frame, moves = tree && tree.base_q_xyzw.length;
       const all = [moves ? { q: tree.base_q_xyzw[k], p: tree.base_shift[k] } : { q: own, p: [0, 0, 0] }];
+      if (this.apart) all.push({ q: own, p: add([0, 0, 0], this.eye.right, 2 * this.apart) });
       if (!tree) return all;
       for (const j of tree.joints) {
-        const at = all[j.parent] || all[0], by = j.moved.length ? j.moved[k] : 0;
+        const at = all[j.parent] || all[0], by = j.moved[k] || 0;
         const q = j.slides ? STILL : about(j.axis, by);
         const p = j.slides ? add([0, 0, 0], j.axis, by) : add(j.origin, turn(q, j.origin), -1);
         all[j.child] = { q: times(at.q, q), p: add(at.p, turn(at.q, p)) };
@@ -301,11 +321,12 @@
       const q = roll ? roll.q_xyzw[k] : STILL, space = roll && this.view !== "body";
       const own = space ? q : STILL, back = space ? STILL : [-q[0], -q[1], -q[2], q[3]];
       const [sy, cy, sp, cp] = [Math.sin(this.yaw), Math.cos(this.yaw), Math.sin(this.pitch), Math.cos(this.pitch)];
-      const size = this.zoom * 0.78 * Math.min(1, wide / high) / this.extent;
-      this.eye = { right: [-sy, cy, 0], up: [-sp * cy, -sp * sy, cp], towards: [cp * cy, cp * sy, sp], sx: size * high / wide, sy: size, depth: 0.2 / this.extent };
-      const poses = this.poses(own);
-      this.solid.forEach((mesh, b) => this.paint(mesh, (poses[b] || poses[0]).q, (poses[b] || poses[0]).p));
-      const placed = (item, x) => { const at = poses[item.body] || poses[0]; return add(at.p, turn(at.q, x)); };
+      const right = [-sy, cy, 0], apart = this.apart;
+      const size = this.zoom * 0.78 * Math.min(1, wide / high / (1 + apart / this.extent)) / this.extent;
+      this.eye = { centre: add(this.centre, right, apart), right, up: [-sp * cy, -sp * sy, cp], towards: [cp * cy, cp * sy, sp], sx: size * high / wide, sy: size, depth: 0.2 / this.extent };
+      const poses = this.poses(own), pose = body => poses[body] || poses[poses.length - 1];
+      this.solid.forEach((mesh, b) => this.paint(mesh, pose(b).q, pose(b).p));
+      const placed = (item, x) => { const at = pose(item.body); return add(at.p, turn(at.q, x)); };
       const labels = this.data.spots.map(s => [s.label, placed(s, s.at)]).concat(this.data.arrows.map(a => [a.label, placed(a, a.to)]));
       if (roll && roll.pole[k]) {
         const now = new Mesh(), pole = roll.pole[k], h = roll.normal[k];
@@ -338,7 +359,7 @@
       [...this.words.children].forEach((span, i) => {
         span.hidden = i >= shown.length;
         if (span.hidden) return;
-        const p = add(shown[i][1], this.centre, -1), x = wide * (0.5 + 0.5 * sx * dot(p, right)), y = high * (0.5 - 0.5 * sy * dot(p, up));
+        const p = add(shown[i][1], this.eye.centre, -1), x = wide * (0.5 + 0.5 * sx * dot(p, right)), y = high * (0.5 - 0.5 * sy * dot(p, up));
         span.textContent = shown[i][0];
         span.style.transform = `translate(${x + 6}px, ${y - 20}px)`;
       });

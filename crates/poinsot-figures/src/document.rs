@@ -5,8 +5,8 @@ use serde::Serialize;
 /// Stands for `|` in a cell of a terminal text; [`escaped`](poinsot_files::escaped) removes it from text of files.
 pub(crate) const BAR: char = '\u{1f}';
 
-/// Quality of a statement.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+/// Quality of a statement; a worse one is greater.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Tone {
     /// Neutral.

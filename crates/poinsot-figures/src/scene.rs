@@ -1,4 +1,4 @@
-//! A rotatable 3D scene: shaded ellipsoids, curves, arrows, and a body rolling on a plane.
+//! A rotatable 3D scene: shaded ellipsoids and boxes, curves, arrows, and a body rolling on a plane.
 //!
 //! In print and without WebGL2 it is a static SVG; `space.js` draws the same numbers.
 
@@ -7,6 +7,7 @@ use crate::error::PageError;
 use crate::template::{Html, island};
 use minijinja::{Value, context};
 use serde::Serialize;
+use std::collections::HashSet;
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
@@ -18,16 +19,20 @@ const HEIGHT: f64 = 480.0;
 /// View direction of the static picture: azimuth and elevation, rad.
 const YAW: f64 = -0.9;
 const PITCH: f64 = 0.42;
+/// Half the size of a scene with boxes over the diagonal of its bounds.
+const CORNER: f64 = 0.36;
 
-/// An ellipsoid.
+/// An ellipsoid, or a box.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Ellipsoid {
-    /// Name in the legend, or empty.
+    /// Name in the legend, which has equal entries once; or empty.
     pub name: String,
     /// Centre.
     pub centre: Point,
-    /// Semi-axes as vectors.
+    /// Semi-axes as vectors; of a box, its orthogonal half-edges.
     pub axes: [Point; 3],
+    /// Whether it is a box.
+    pub boxed: bool,
     /// Colour, 0 to 7.
     pub colour: usize,
     /// Drawn translucent.
@@ -115,6 +120,9 @@ pub struct Scene {
     pub rolling: Option<Rolling>,
     /// Bodies connected by joints; without it, all items belong to one body.
     pub tree: Option<Tree>,
+    /// A scene without motion of its own, shown on the right at the same size, turning with this one.
+    #[serde(skip)]
+    pub beside: Option<Box<Scene>>,
     /// Remark below the figure.
     #[serde(skip)]
     pub note: String,
@@ -161,19 +169,25 @@ struct Island<'a> {
     scene: &'a Scene,
     centre: Point,
     extent: f64,
+    beside: Option<Box<Island<'a>>>,
 }
 
 impl Scene {
     /// Its numbers for `space.js`.
     pub(crate) fn data(&self) -> Result<Html, PageError> {
-        island(&Island {
+        island(&self.island())
+    }
+
+    fn island(&self) -> Island<'_> {
+        Island {
             scene: self,
             centre: View::around(self).centre,
             extent: self.extent(),
-        })
+            beside: self.beside.as_ref().map(|b| Box::new(b.island())),
+        }
     }
 
-    /// Every legend entry.
+    /// Every legend entry once.
     pub(crate) fn legend(&self) -> Vec<Key<'_>> {
         let solids = self.ellipsoids.iter().map(|e| {
             let mark = if e.faint { "bars" } else { "solid" };
@@ -185,10 +199,11 @@ impl Scene {
         });
         let plane = self.rolling.iter().map(|r| (&r.plane, "bars", 6));
         let all = solids.chain(curves).chain(plane);
-        let named = all.filter(|n| !n.0.is_empty());
-        named
-            .map(|(name, mark, colour)| Key::new(name, (mark, colour)))
-            .collect()
+        let mut entries = HashSet::new();
+        let named = all.filter(|n| !n.0.is_empty() && entries.insert(*n));
+        let keys = named.map(|(name, mark, colour)| Key::new(name, (mark, colour)));
+        let beside = self.beside.iter().flat_map(|b| b.legend());
+        keys.chain(beside).collect()
     }
 
     /// The static picture.
@@ -205,8 +220,10 @@ impl Scene {
         };
         let spot =
             |s: &Spot| context! { at => view.place(&s.at), label => s.label, colour => s.colour };
+        let beside = self.beside.as_ref().map(|b| b.drawing()).transpose()?;
         let context = context! {
             solids => self.solids(&view),
+            beside => beside.map(|drawing| drawing.elements.value()),
             plane => still.map(|(pole, normal)| self.plane(&view, &pole, &normal)),
             pole => still.map(|(pole, _)| view.place(&pole)),
             curves => self.curves.iter().map(curve).collect::<Vec<_>>(),
@@ -216,14 +233,19 @@ impl Scene {
         Drawing::new([WIDTH, HEIGHT], "scene.svg", context)
     }
 
-    /// Ellipsoids from back to front.
+    /// Ellipsoids and boxes from back to front.
     fn solids(&self, view: &View) -> Vec<Value> {
         let depth = |e: &Ellipsoid| dot(&e.centre, &view.towards);
         let mut solids: Vec<&Ellipsoid> = self.ellipsoids.iter().collect();
         solids.sort_by(|a, b| depth(a).total_cmp(&depth(b)));
         let drawn = |e: &&Ellipsoid| {
-            let lines = if e.faint { Vec::new() } else { mesh(e) };
-            let wires = lines.iter().map(|line| view.front(line, Some(e)));
+            let lines = match (e.faint, e.boxed) {
+                (true, _) => Vec::new(),
+                (_, true) => view.near_edges(e),
+                _ => mesh(e),
+            };
+            let shield = Some(*e).filter(|e| !e.boxed);
+            let wires = lines.iter().map(|line| view.front(line, shield));
             context! {
                 faint => e.faint, colour => e.colour, outline => view.path(&view.outline(e)),
                 wires => wires.collect::<Vec<_>>(),
@@ -244,7 +266,13 @@ impl Scene {
     /// Half the size of the drawing about the origin of the view.
     fn extent(&self) -> f64 {
         let (low, high) = self.bounds();
-        let half = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max) / 2.0;
+        let across = [0, 1, 2].map(|k| high[k] - low[k]);
+        // A box reaches into the corners of its bounds.
+        let corner = match self.ellipsoids.iter().any(|e| e.boxed) {
+            true => CORNER * dot(&across, &across).sqrt(),
+            false => 0.0,
+        };
+        let half = across.into_iter().fold(2.0 * corner, f64::max) / 2.0;
         match half > 0.0 && half.is_finite() {
             true => half,
             false => 1.0,
@@ -262,7 +290,10 @@ impl Scene {
         };
         let alone = self.ellipsoids.len() < 2;
         for e in self.ellipsoids.iter().filter(|e| !e.faint || alone) {
-            let reach = |k: usize| e.axes.iter().map(|a| a[k] * a[k]).sum::<f64>().sqrt();
+            let reach = |k: usize| match e.boxed {
+                true => e.axes.iter().map(|a| a[k].abs()).sum(),
+                false => e.axes.iter().map(|a| a[k] * a[k]).sum::<f64>().sqrt(),
+            };
             take(&e.centre, &[0, 1, 2].map(reach));
         }
         let curves = self.curves.iter().flat_map(|c| &c.points).flatten();
@@ -355,6 +386,17 @@ impl View {
         self.path(&shown)
     }
 
+    /// The three edges of a box at the corner nearest to the viewer.
+    fn near_edges(&self, e: &Ellipsoid) -> Vec<Vec<Option<Point>>> {
+        let near = e.axes.map(|a| dot(&a, &self.towards).signum());
+        let edge = |k: usize| {
+            let mut far = near;
+            far[k] = -far[k];
+            vec![Some(corner(e, near)), Some(corner(e, far))]
+        };
+        (0..3).map(edge).collect()
+    }
+
     /// Outline of an ellipsoid: its farthest point in each direction of the picture plane.
     fn outline(&self, e: &Ellipsoid) -> Vec<Option<Point>> {
         (0..72)
@@ -362,6 +404,9 @@ impl View {
                 let (s, c) = (TAU * f64::from(k) / 72.0).sin_cos();
                 let d = [0, 1, 2].map(|i| c * self.right[i] + s * self.up[i]);
                 let along = e.axes.map(|a| dot(&a, &d));
+                if e.boxed {
+                    return Some(corner(e, along.map(f64::signum)));
+                }
                 let length = dot(&along, &along).sqrt().max(f64::MIN_POSITIVE);
                 Some([0, 1, 2].map(|i| {
                     let reach: f64 = (0..3).map(|a| along[a] * e.axes[a][i]).sum();
@@ -370,6 +415,11 @@ impl View {
             })
             .collect()
     }
+}
+
+/// A corner of a box, by its signs.
+fn corner(e: &Ellipsoid, signs: Point) -> Point {
+    [0, 1, 2].map(|i| e.centre[i] + (0..3).map(|a| signs[a] * e.axes[a][i]).sum::<f64>())
 }
 
 /// Meridians and parallels.

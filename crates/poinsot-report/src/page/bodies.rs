@@ -36,6 +36,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
         nuisance => nuisance.collect::<Vec<_>>(),
         momentum => momentum.collect::<Vec<_>>(),
         moments => moments(answer),
+        covariance => e.covariance,
     };
     let body = TEMPLATES.html("bodies.html", context)?;
     Ok(Part::new("numbers", "Numbers", body))
@@ -64,10 +65,10 @@ fn table(name: &str, body: &BodyFile, truth: Option<&TrueBodyFile>) -> Value {
             .enumerate()
             .map(|(k, n)| (n, truths.get(k).copied()))
     };
-    let holds = |n: &NumberFile, truth: Option<f64>| {
-        Some((n.value? - truth?).abs() <= half_width(n.sigma)?)
+    let holds = |(n, truth): (&(_, _, NumberFile), Option<f64>)| {
+        Some((n.2.value? - truth?).abs() <= half_width(n.2.sigma)?)
     };
-    let judged: Vec<bool> = both().filter_map(|(n, t)| holds(&n.2, t)).collect();
+    let judged: Vec<bool> = both().filter_map(holds).collect();
     let rows = both().map(|((what, unit, n), t)| row(what, unit, n, t));
     let asked = numbers.iter().filter(|n| !n.2.is_known());
     context! {

@@ -1,7 +1,8 @@
 //! Reduces curves to the size limit of a page: from every stretch the samples with least and greatest residual are
 //! kept.
 
-use poinsot_formats::{Channel, ReportData, Segment};
+use minijinja::{Value, context};
+use poinsot_formats::{Channel, Segment};
 
 /// Largest number of values of all curves of a page: about half a megabyte.
 const NUMBERS: usize = 180_000;
@@ -16,14 +17,14 @@ pub(super) struct Envelope {
 }
 
 impl Envelope {
-    pub fn of(data: &ReportData) -> Self {
+    pub fn of(segments: &[Segment]) -> Self {
         let channel = |c: &Channel| c.time_s.len() * (2 + 3 * c.residual.len());
         let numbers = |s: &Segment| -> usize {
             let motion = s.time_s.len() * (5 + s.joints.len() + s.wheels.len());
             motion + channel(&s.momentum) + s.channels.iter().map(channel).sum::<usize>()
         };
-        let all: usize = data.segments.iter().map(numbers).sum();
-        let channels = data.segments.iter().flat_map(|s| &s.channels);
+        let all: usize = segments.iter().map(numbers).sum();
+        let channels = segments.iter().flat_map(|s| &s.channels);
         Self {
             share: (NUMBERS as f64 / all.max(1) as f64).min(1.0),
             thinned: channels
@@ -33,22 +34,9 @@ impl Envelope {
         }
     }
 
-    /// Note for the page.
-    pub fn words(&self) -> Option<String> {
-        let mut out = String::new();
-        if self.thinned > 1 {
-            out.push_str(&format!(
-                "Curves show up to one of {} samples; statistics use all. ",
-                self.thinned
-            ));
-        }
-        if self.share < 1.0 {
-            let percent = 100.0 * self.share;
-            out.push_str(&format!(
-                "Of these {percent:.0} % are drawn: the smallest and largest residual of each axis in every interval. report_data.json has the rest."
-            ));
-        }
-        (!out.is_empty()).then(|| out.trim_end().to_owned())
+    /// Numbers for the note of the page.
+    pub fn note(&self) -> Value {
+        context! { share => self.share, thinned => self.thinned }
     }
 
     fn most(&self, samples: usize) -> usize {

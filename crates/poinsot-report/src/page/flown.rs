@@ -3,17 +3,14 @@
 use super::Answer;
 use super::curves::{named, over_time, picked, series};
 use super::envelope::Envelope;
-use super::vehicle::drawn;
 use crate::templates::TEMPLATES;
 use minijinja::{Value, context};
 use poinsot_figures::{Axis, Figure, Mark, PageError, Part, Plot, Series};
 use poinsot_formats::Segment;
 
 pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
-    let vehicle = drawn(answer);
-    let picture = vehicle.html()?;
-    let mut figures = vec![vehicle];
-    let envelope = Envelope::of(&answer.data);
+    let mut figures = Vec::new();
+    let envelope = Envelope::of(&answer.data.segments);
     let mut records: Vec<Value> = Vec::new();
     for (k, s) in answer.data.segments.iter().enumerate() {
         let plots = named(
@@ -24,7 +21,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
         figures.extend(plots);
     }
     let vehicle = &answer.data.vehicle;
-    let context = context! { records, vehicle, picture => picture.value() };
+    let context = context! { records, vehicle };
     let body = TEMPLATES.html("flown.html", context)?;
     Ok(Part {
         figures,

@@ -5,7 +5,7 @@
 use super::Answer;
 use super::poles::Poles;
 use super::tensor::{inertia_ellipsoid, matrix, principal, principal_sigmas};
-use super::vehicle::suspected;
+use super::vehicle::drawn;
 use crate::templates::TEMPLATES;
 use minijinja::{Value, context};
 use nalgebra::Cholesky;
@@ -22,29 +22,26 @@ const GHOSTS: usize = 6;
 const AXIS: f64 = 1.4;
 
 pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
-    let e = &answer.estimate;
-    let drawn = chosen(answer).and_then(|(name, body)| {
+    let ellipsoid = chosen(answer).and_then(|(name, body)| {
         let I = tensor_of(body)?;
         scene(answer, name, body, &I)
     });
-    let (figure, words) = match drawn {
-        Some(scene) => (Some(Figure::scene("poinsot", scene)), None),
-        None if e.is_withheld() => (
-            Some(Figure::scene("suspected", suspected(answer))),
-            Some(
-                "The model is rejected, so no ellipsoid is drawn. The vehicle is shown, suspected parts in orange.",
-            ),
-        ),
-        None => (
-            None,
-            Some("The tensor is not determined, so no ellipsoid is drawn."),
-        ),
+    let vehicle = drawn(answer);
+    let (name, scene) = match ellipsoid {
+        Some(mut scene) => {
+            scene.title += ", and the vehicle in the same attitude";
+            scene.note = format!("{} {}", scene.note, vehicle.note);
+            scene.beside = Some(Box::new(vehicle));
+            ("poinsot", scene)
+        }
+        None if answer.estimate.is_withheld() => ("suspected", vehicle),
+        None => ("vehicle", vehicle),
     };
-    let picture = figure.as_ref().map(Figure::html).transpose()?;
-    let context = context! { picture => picture.map(|p| p.value()), words };
+    let figure = Figure::scene(name, scene);
+    let context = context! { picture => figure.html()?.value(), name };
     let body = TEMPLATES.html("picture.html", context)?;
     Ok(Part {
-        figures: figure.into_iter().collect(),
+        figures: vec![figure],
         ..Part::new("motion", "Poinsot's picture", body)
     })
 }
@@ -184,16 +181,9 @@ fn uncertainty(scene: &mut Scene, spread: Option<Spread>, I: &Matrix3, size: f64
         );
     }
     let drawn = covariance.map(|c| drawn_from(I, &c)).unwrap_or_default();
-    for (k, other) in drawn.iter().enumerate() {
-        if let Some(axes) = inertia_ellipsoid(other, size) {
-            let name = if k == 0 {
-                "drawn from the covariance"
-            } else {
-                ""
-            };
-            scene.ellipsoids.push(ellipsoid(name, axes, true));
-        }
-    }
+    let drawn = drawn.iter().filter_map(|I| inertia_ellipsoid(I, size));
+    let ghosts = drawn.map(|axes| ellipsoid("drawn from the covariance", axes, true));
+    scene.ellipsoids.extend(ghosts);
     format!("95 % interval of the semi-axes: {percent} % at most. ")
 }
 

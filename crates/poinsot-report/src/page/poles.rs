@@ -1,14 +1,14 @@
 //! The motion as poles on the inertia ellipsoid.
 
 use super::curves::group;
-use crate::summary::counted;
 use nalgebra::{Quaternion, UnitQuaternion};
 use poinsot_figures::{Curve, Point, Rolling, Scene};
+use poinsot_files::counted;
 use poinsot_formats::Segment;
 use poinsot_spatial::{Matrix3, Vector3};
 
 /// Largest number of instants kept.
-const INSTANTS: usize = 600;
+pub(super) const INSTANTS: usize = 600;
 /// Rates below this fraction of the largest have no drawn pole.
 const SLOW: f64 = 0.03;
 /// Largest change of momentum relative to energy for torque-free motion.
@@ -127,12 +127,12 @@ impl Poles {
             .windows(3)
             .filter(|w| w[0].is_some() && w[1].is_none() && w[2].is_some())
             .count();
+        let (curve, plane) = match free {
+            true => ("polhode and herpolhode", "invariable plane"),
+            false => ("polhode", "tangent plane, normal I omega"),
+        };
         scene.curves.push(Curve {
-            name: match free {
-                true => "polhode and herpolhode, dark to light with time",
-                false => "polhode, dark to light with time",
-            }
-            .to_owned(),
+            name: format!("{curve}, dark to light with time"),
             points,
             colour: 1,
             shares: Some(shares),
@@ -152,12 +152,7 @@ impl Poles {
                 .iter()
                 .map(|n| Point::from(*n).map(short))
                 .collect(),
-            plane: if free {
-                "invariable plane"
-            } else {
-                "tangent plane, normal I omega"
-            }
-            .to_owned(),
+            plane: plane.to_owned(),
             free,
             group: group(record),
         });
@@ -165,7 +160,7 @@ impl Poles {
             0 => String::new(),
             n => format!(
                 " The polhode is broken at {} where samples are too sparse for the path.",
-                counted(n, "place", "places")
+                counted(n, "place")
             ),
         };
         let motion = if free {

@@ -1,8 +1,13 @@
-//! Ellipsoids of a tensor.
+//! Ellipsoid and box of a tensor.
 
 use nalgebra::SymmetricEigen;
 use poinsot_figures::Point;
 use poinsot_spatial::{Matrix3, Vector3};
+
+/// Least square of a half-edge, relative to the sum of all.
+const THIN: f64 = 1.0e-4;
+/// Products of inertia below this share of the trace turn a box by less than a picture shows.
+const LEVEL: f64 = 5.0e-3;
 
 /// Symmetric matrix from xx, yy, zz, xy, xz, yz.
 pub(super) fn matrix(t: &[f64; 6]) -> Matrix3 {
@@ -67,17 +72,26 @@ pub(super) fn principal_sigmas(
     })
 }
 
-/// Semi-axes of the homogeneous ellipsoid with this mass and central inertia, m.
-pub(super) fn equivalent_ellipsoid(mass: f64, I: &Matrix3) -> Option<[Point; 3]> {
+/// Half-edges of the homogeneous box with this mass and central inertia, m.
+pub(super) fn equivalent_box(mass: f64, I: &Matrix3) -> Option<[Vector3; 3]> {
     if !(mass > 0.0 && I.iter().all(|x| x.is_finite())) {
         return None;
     }
-    let eigen = SymmetricEigen::new(*I);
+    // Nearly along the body axes it is drawn along them: axes of nearly equal moments would be any.
+    let small = LEVEL * I.trace();
+    let level = [I.m12, I.m13, I.m23].iter().all(|x| x.abs() < small);
+    let shown = if level {
+        Matrix3::from_diagonal(&I.diagonal())
+    } else {
+        *I
+    };
+    let eigen = SymmetricEigen::new(shown);
     let m = eigen.eigenvalues;
     let half = m.sum() / 2.0;
     Some([0, 1, 2].map(|k| {
-        let square = 5.0 / mass * (half - m[k]);
-        (eigen.eigenvectors.column(k) * square.max(0.0).sqrt()).into()
+        // A rod or a plate keeps a visible thickness.
+        let square = 3.0 / mass * (half - m[k]).max(THIN * half);
+        eigen.eigenvectors.column(k) * square.max(0.0).sqrt()
     }))
 }
 
@@ -86,11 +100,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn unit_homogeneous_ellipsoid_gives_its_axes_back() {
-        // m/5 (b2 + c2) and permutations, for semi-axes 1, 2, 3 and mass 5.
+    fn unit_homogeneous_box_gives_its_edges_back() {
+        // m/3 (b2 + c2) and permutations, for half-edges 1, 2, 3 and mass 3.
         let I = Matrix3::from_diagonal(&Vector3::new(13.0, 10.0, 5.0));
-        let axes = equivalent_ellipsoid(5.0, &I).unwrap();
-        let mut lengths = axes.map(|a| a.iter().map(|x| x * x).sum::<f64>().sqrt());
+        let mut lengths = equivalent_box(3.0, &I).unwrap().map(|a| a.norm());
         lengths.sort_by(f64::total_cmp);
         for (found, wanted) in lengths.iter().zip([1.0, 2.0, 3.0]) {
             assert!((found - wanted).abs() < 1.0e-12);

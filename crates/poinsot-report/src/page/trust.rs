@@ -11,6 +11,7 @@ use poinsot_formats::{
     Channel, EvidenceFile, HALF_WIDTH_95, Segment, SegmentFitFile, SensorFitFile,
 };
 use statrs::distribution::{ContinuousCDF, Normal};
+use std::cmp::Reverse;
 
 /// Half-range of the histogram, sigmas.
 const REACH: f64 = 4.0;
@@ -21,28 +22,53 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 
 pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     let e = &answer.estimate;
-    let envelope = Envelope::of(&answer.data);
+    let envelope = Envelope::of(&answer.data.segments);
     let mut figures = Vec::new();
     let mut records: Vec<Value> = Vec::new();
     for (k, fit) in e.fit.iter().enumerate() {
         let segment = answer.data.segments.get(k);
         records.push(record(k, fit, segment, &envelope, &mut figures)?);
     }
+    let trace = convergence(&answer.data.costs).map(|plot| Figure::plot("convergence", plot));
+    let steps = trace.as_ref().map(Figure::html).transpose()?;
+    figures.extend(trace);
     let against = |row: &&EvidenceFile| row.is_against_answer();
     let body = TEMPLATES.html(
         "trust.html",
         context! {
             records,
+            steps => steps.map(|html| html.value()),
+            steps_taken => answer.data.costs.len().saturating_sub(1),
             causes => e.diagnostics.iter().flat_map(causes).collect::<Vec<_>>(),
             evidence => e.evidence,
             against => e.evidence.iter().filter(against).count(),
-            reduced => envelope.words(),
+            reduced => envelope.note(),
             validate => !e.is_withheld(),
         },
     )?;
     Ok(Part {
         figures,
         ..Part::new("trust", "Trust", body)
+    })
+}
+
+/// Cost of every step of the fit above the last; `None` without a higher one.
+fn convergence(costs: &[f64]) -> Option<Plot> {
+    let last = costs.last()?;
+    let above = costs.iter().enumerate().map(|(k, x)| (k as f64, x - last));
+    let (steps, above): (Vec<f64>, Vec<f64>) = above.filter(|p| p.1 > 0.0).unzip();
+    let series = |mark| Series::new("", mark, 0, &steps, &above);
+    (!steps.is_empty()).then(|| Plot {
+        title: "cost above that of the last step".to_owned(),
+        x: Axis::new("step", ""),
+        whole: true,
+        y: Axis::new("cost", ""),
+        log: true,
+        series: vec![series(Mark::Line), series(Mark::Points)],
+        levels: vec![(1.0, "one sigma".to_owned())],
+        half: true,
+        note: "Cost: minus twice the log-likelihood. What lowers it by less than 1 moves the answer by less than one sigma.".to_owned(),
+        ..Plot::default()
     })
 }
 
@@ -90,17 +116,9 @@ fn sensor_verdict(s: &SensorFitFile) -> Verdict {
 
 /// Worst verdict among its sensors.
 fn record_verdict(fit: &SegmentFitFile) -> Verdict {
-    let mut all = fit
-        .channels
-        .values()
-        .map(sensor_verdict)
-        .collect::<Vec<_>>();
-    all.sort_by_key(|v| {
-        [Tone::Bad, Tone::Fair, Tone::Good]
-            .iter()
-            .position(|t| *t == v.0)
-    });
-    all.first().copied().unwrap_or((Tone::Fair, "not tested"))
+    let all = fit.channels.values().map(sensor_verdict);
+    let worst = all.min_by_key(|v| Reverse(v.0));
+    worst.unwrap_or((Tone::Fair, "not tested"))
 }
 
 /// Declared sigma used in chi-square.

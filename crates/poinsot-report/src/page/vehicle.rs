@@ -2,7 +2,8 @@
 
 use super::Answer;
 use super::curves::group;
-use super::tensor::equivalent_ellipsoid;
+use super::poles::INSTANTS;
+use super::tensor::equivalent_box;
 use poinsot_figures::{Arrow, Curve, Ellipsoid, Figure, Hinge, Point, Scene, Spot, Tree};
 use poinsot_formats::{DrawnBody, DrawnJoint, Pointer, Vehicle};
 use poinsot_spatial::{Matrix3, Vector3, tensor};
@@ -19,12 +20,16 @@ const SUSPECT: Role = ("suspected", 1);
 const JOINT: usize = 3;
 const WHEEL: usize = 2;
 const THRUSTER: usize = 7;
-/// Lengths of arrows relative to the largest semi-axis; a wheel's arrow extends beyond the body.
+const SENSOR: usize = 5;
+const NOMINAL: usize = 7;
+/// Corners of a box along a line over its edges, which has three of them twice. Bit k: the side along axis k.
+const EDGES: [u8; 16] = [0, 1, 3, 2, 0, 4, 5, 1, 5, 7, 3, 7, 6, 2, 6, 4];
+/// Lengths of arrows relative to the largest half-edge; a wheel's arrow extends beyond the body.
 const WHEEL_REACH: f64 = 1.6;
 const THRUSTER_REACH: f64 = 0.4;
 const JOINT_REACH: f64 = 0.15;
-/// Largest number of instants of the joint motion.
-const INSTANTS: usize = 300;
+/// Distance of places with one label, relative to the same.
+const NEAR: f64 = 0.05;
 
 /// A vehicle and how it moves.
 pub struct Flown {
@@ -48,36 +53,71 @@ pub struct Motion {
     pub group: String,
 }
 
-/// The vehicle of an answer as a figure.
-pub(super) fn drawn(answer: &Answer) -> Figure {
-    Figure::scene("vehicle", of_answer(answer, None))
+/// The vehicle, estimated and nominal. That of a rejected model has the first suspect of the diagnostics marked.
+pub(super) fn drawn(answer: &Answer) -> Scene {
+    let (e, vehicle) = (&answer.estimate, &answer.data.vehicle);
+    let mut suspects = e.diagnostics.iter().flat_map(|d| &d.suspects);
+    let suspect = suspects.next().filter(|_| e.is_withheld());
+    let suspect = suspect.map(|s| s.name.as_str());
+    let motion = joint_motion(answer);
+    let mut scene = Builder::scene(vehicle, suspect, |b| role(answer, b), motion.as_ref());
+    let bodies = vehicle.bodies.iter().enumerate();
+    let nominal = bodies.filter_map(|(body, b)| edges(body, &nominal(answer, b)?));
+    scene.curves.extend(nominal);
+    scene.title = "the vehicle, axes of the base, m".to_owned();
+    scene.note = "Box: a body as the homogeneous box with its mass and inertia, estimated where determined, else nominal; dark edges: nominal. Arrows: wheels, thrusters, joint axes. Lines connect frame origins and joints.".to_owned();
+    scene
 }
 
-/// The vehicle, with the first suspect of the diagnostics marked.
-pub(super) fn suspected(answer: &Answer) -> Scene {
-    let mut suspects = answer.estimate.diagnostics.iter().flat_map(|d| &d.suspects);
-    of_answer(answer, suspects.next().map(|s| s.name.as_str()))
+/// Rotation from the axes of a body to those of the base.
+fn rotation(b: &DrawnBody) -> Matrix3 {
+    Matrix3::from_row_slice(&b.rotation.concat())
+}
+
+fn centre(b: &DrawnBody) -> Vector3 {
+    Vector3::from(b.origin_m) + rotation(b) * Vector3::from(b.com_m)
+}
+
+/// An estimated body with its nominal numbers.
+fn nominal(answer: &Answer, b: &DrawnBody) -> Option<DrawnBody> {
+    let found = answer.estimate.bodies.get(&b.name);
+    let found = found.filter(|_| b.estimated && !answer.estimate.is_withheld())?;
+    let [xx, yy, zz, xy, xz, yz] = found.inertia_kg_m2.named().map(|n| n.1.nominal);
+    Some(DrawnBody {
+        mass_kg: found.mass_kg.nominal,
+        com_m: found.com_m.map(|n| n.nominal),
+        inertia_kg_m2: [xx, xy, yy, xz, yz, zz],
+        ..b.clone()
+    })
+}
+
+/// The edges of a nominal body.
+fn edges(body: usize, b: &DrawnBody) -> Option<Curve> {
+    let axes = half_edges(b)?;
+    let corner = |corner: u8| {
+        let side = |k: usize| if corner >> k & 1 == 0 { -1.0 } else { 1.0 };
+        let from_centre: Vector3 = (0..3).map(|k| side(k) * axes[k]).sum();
+        Some((centre(b) + from_centre).into())
+    };
+    Some(Curve {
+        name: "nominal".to_owned(),
+        points: EDGES.map(corner).to_vec(),
+        colour: NOMINAL,
+        body,
+        ..Curve::default()
+    })
 }
 
 /// The vehicle as it moves during a manoeuvre.
 pub(super) fn flying(flown: &Flown) -> Figure {
     let role = |b: &DrawnBody| if b.estimated { WANTED } else { KNOWN };
-    let builder = Builder::new(&flown.vehicle, None);
-    let mut scene = builder.scene(role, Some(&flown.motion));
+    let mut scene = Builder::scene(&flown.vehicle, None, role, Some(&flown.motion));
     if let Some(tree) = &mut scene.tree {
         tree.group = group(0);
     }
     scene.title = "the vehicle during the manoeuvre, axes of the base at the start, m".to_owned();
-    scene.note = "A body is drawn as the homogeneous ellipsoid with its nominal mass and inertia. Lines connect frame origins and joints. The mass centre of the whole rests.".to_owned();
+    scene.note = "A body is drawn as the homogeneous box with its nominal mass and inertia. Lines connect frame origins and joints. The mass centre of the whole rests.".to_owned();
     Figure::scene("manoeuvre", scene)
-}
-
-fn of_answer(answer: &Answer, suspect: Option<&str>) -> Scene {
-    let builder = Builder::new(&answer.data.vehicle, suspect);
-    let mut scene = builder.scene(|b| role(answer, b), joint_motion(answer).as_ref());
-    scene.title = "the vehicle, axes of the base, m".to_owned();
-    scene.note = "A body is drawn as the homogeneous ellipsoid with its mass and inertia: estimated where determined, else nominal. Lines connect frame origins and joints.".to_owned();
-    scene
 }
 
 fn role(answer: &Answer, b: &DrawnBody) -> Role {
@@ -107,34 +147,38 @@ fn joint_motion(answer: &Answer) -> Option<Motion> {
 struct Builder<'a> {
     vehicle: &'a Vehicle,
     suspect: Option<&'a str>,
-    /// Largest semi-axis of a body, m.
+    /// Largest half-edge of a body, m.
     size: f64,
     scene: Scene,
 }
 
 impl<'a> Builder<'a> {
-    fn new(vehicle: &'a Vehicle, suspect: Option<&'a str>) -> Self {
-        Self {
+    fn scene(
+        vehicle: &'a Vehicle,
+        suspect: Option<&'a str>,
+        role: impl Fn(&DrawnBody) -> Role,
+        motion: Option<&Motion>,
+    ) -> Scene {
+        let mut own = Self {
             vehicle,
             suspect,
             size: 0.0,
             scene: Scene::default(),
-        }
-    }
-
-    fn scene(mut self, role: impl Fn(&DrawnBody) -> Role, motion: Option<&Motion>) -> Scene {
-        for (k, b) in self.vehicle.bodies.iter().enumerate() {
-            let role = match self.is_suspect(&b.name) {
-                true => SUSPECT,
-                false => role(b),
+        };
+        for (k, b) in vehicle.bodies.iter().enumerate() {
+            let role = if own.is_suspect(&b.name) {
+                SUSPECT
+            } else {
+                role(b)
             };
-            self.body(k, b, role);
+            own.body(k, b, role);
         }
-        self.joints();
-        self.pointers(&self.vehicle.wheels, WHEEL, WHEEL_REACH);
-        self.pointers(&self.vehicle.thrusters, THRUSTER, THRUSTER_REACH);
-        self.scene.tree = motion.map(|motion| self.tree(motion));
-        self.scene
+        own.joints();
+        own.sensors();
+        own.pointers(&vehicle.wheels, WHEEL, WHEEL_REACH);
+        own.pointers(&vehicle.thrusters, THRUSTER, THRUSTER_REACH);
+        own.scene.tree = motion.map(|motion| own.tree(motion));
+        own.scene
     }
 
     /// Whether the suspect, such as `wheel wheel2`, is this part.
@@ -151,39 +195,52 @@ impl<'a> Builder<'a> {
     }
 
     fn body(&mut self, body: usize, b: &DrawnBody, (name, colour): Role) {
-        let R = Matrix3::from_row_slice(&b.rotation.concat());
-        let centre = Vector3::from(b.origin_m) + R * Vector3::from(b.com_m);
-        let Some(axes) = equivalent_ellipsoid(b.mass_kg, &tensor(b.inertia_kg_m2)) else {
+        let Some(axes) = half_edges(b) else {
             return;
         };
-        let axes = axes.map(|a| R * Vector3::from(a));
         self.size = axes.iter().map(|a| a.norm()).fold(self.size, f64::max);
-        let named = self.scene.ellipsoids.iter().any(|e| e.name == name);
         self.scene.ellipsoids.push(Ellipsoid {
-            name: if named { "" } else { name }.to_owned(),
-            centre: centre.into(),
+            name: name.to_owned(),
+            centre: centre(b).into(),
             axes: axes.map(Point::from),
-            colour,
-            faint: false,
-            body,
-        });
-        self.scene.spots.push(Spot {
-            at: centre.into(),
-            label: b.name.clone(),
+            boxed: true,
             colour,
             body,
+            ..Ellipsoid::default()
         });
+        self.spot(body, centre(b).into(), &b.name, colour);
+    }
+
+    fn sensors(&mut self) {
+        for s in &self.vehicle.sensors {
+            if let Some(at) = s.at_m {
+                self.spot(self.index(&s.body), at, &s.name, SENSOR);
+            }
+        }
+    }
+
+    /// A named place; names of one place stand together.
+    fn spot(&mut self, body: usize, at: Point, label: &str, colour: usize) {
+        let near = NEAR * self.size;
+        let beside = |s: &&mut Spot| (Vector3::from(s.at) - Vector3::from(at)).norm() < near;
+        match self.scene.spots.iter_mut().find(beside) {
+            Some(spot) => spot.label.push_str(&format!(", {label}")),
+            None => self.scene.spots.push(Spot {
+                at,
+                label: label.to_owned(),
+                colour,
+                body,
+            }),
+        }
     }
 
     fn joints(&mut self) {
         for j in &self.vehicle.joints {
             let (parent, child) = (self.index(&j.parent), self.index(&j.child));
             let from = self.vehicle.bodies.get(parent);
+            let from = from.map_or([0.0; 3], |b| b.origin_m);
             self.scene.curves.push(Curve {
-                points: vec![
-                    Some(from.map_or([0.0; 3], |b| b.origin_m)),
-                    Some(j.origin_m),
-                ],
+                points: vec![Some(from), Some(j.origin_m)],
                 colour: KNOWN.1,
                 body: parent,
                 ..Curve::default()
@@ -191,19 +248,9 @@ impl<'a> Builder<'a> {
             if j.kind != "fixed" {
                 let reach = Vector3::from(j.axis) * (JOINT_REACH * self.size);
                 self.arrow(child, &j.origin_m, -reach, String::new(), JOINT);
-                self.arrow(child, &j.origin_m, reach, self.label(j), JOINT);
+                self.arrow(child, &j.origin_m, reach, String::new(), JOINT);
+                self.spot(child, j.origin_m, &j.name, JOINT);
             }
-        }
-    }
-
-    /// Names of all joints at one position, at the first of them.
-    fn label(&self, joint: &DrawnJoint) -> String {
-        let joints = self.vehicle.joints.iter();
-        let here = joints.filter(|o| o.origin_m == joint.origin_m);
-        let together: Vec<&str> = here.map(|o| o.name.as_str()).collect();
-        match together.first() == Some(&joint.name.as_str()) {
-            true => together.join(", "),
-            false => String::new(),
         }
     }
 
@@ -250,6 +297,12 @@ impl<'a> Builder<'a> {
             base_shift: base.map(shift).collect(),
         }
     }
+}
+
+/// Half-edges of the box of a body, axes of the base.
+fn half_edges(b: &DrawnBody) -> Option<[Vector3; 3]> {
+    let axes = equivalent_box(b.mass_kg, &tensor(b.inertia_kg_m2))?;
+    Some(axes.map(|a| rotation(b) * a))
 }
 
 /// Positions of a joint relative to the first.

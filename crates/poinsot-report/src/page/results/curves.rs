@@ -5,9 +5,7 @@ use crate::page::envelope::Envelope;
 use indexmap::IndexMap;
 use poinsot_figures::{Axis, Figure, Mark, Plot, Series};
 use poinsot_files::InputError;
-use poinsot_formats::{
-    AgainstDurationFile, Channel, LARGEST_RESULT, ReportData, Segment, ValidationFile,
-};
+use poinsot_formats::{AgainstDurationFile, Channel, LARGEST_RESULT, Segment, ValidationFile};
 use std::path::Path;
 
 /// Suffixes of command columns with quantity and unit, longest first.
@@ -70,10 +68,7 @@ pub(super) fn differences(path: &Path, validation: &ValidationFile) -> Result<Ve
         channels: channels.values().cloned().collect(),
         ..Segment::default()
     };
-    let envelope = Envelope::of(&ReportData {
-        segments: vec![segment],
-        ..ReportData::default()
-    });
+    let envelope = Envelope::of(&[segment]);
     let figure = |(name, c): (&String, &Channel)| {
         let compared = validation.compared.iter().find(|q| q.quantity == *name);
         let names: Vec<&str> = c.components.iter().map(String::as_str).collect();
