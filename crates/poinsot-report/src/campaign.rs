@@ -17,26 +17,7 @@ const DETAILED: usize = 3;
 
 /// A campaign in one line.
 pub(crate) fn headline(result: &CampaignFile) -> String {
-    let cells = result.cells.len();
-    let methods = result.cells.first().map_or(0, |c| c.methods.len());
-    let trials = result
-        .cells
-        .iter()
-        .flat_map(|c| &c.methods)
-        .map(|m| m.trials);
-    let mut text = format!(
-        "{}: {} fits ({cells} cells, {methods} methods, {} trials of each)",
-        result.name,
-        trials.sum::<u64>(),
-        result.trials
-    );
-    if result.trials < result.planned {
-        text.push_str(&format!(", stopped before {}", result.planned));
-    }
-    if !result.missing.is_empty() {
-        text.push_str(", incomplete: shards are missing");
-    }
-    text
+    TEMPLATES.lines("headline.txt", result).concat()
 }
 
 /// Every number of every method with its interval, failures and timing.

@@ -2,9 +2,7 @@
 
 use poinsot_figures::Tone;
 use poinsot_files::{probability, significant};
-use poinsot_formats::{
-    ChannelFile, DiagnosticsFile, EstimateFile, EvidenceFile, HeldOutFile, SuspectFile,
-};
+use poinsot_formats::{ChannelFile, DiagnosticsFile, EvidenceFile, HeldOutFile, SuspectFile};
 use serde::Serialize;
 
 /// p-value below which drift or lag is reported.
@@ -29,12 +27,8 @@ pub(crate) type Verdict = (Tone, &'static str);
 /// Number of causes listed next to the checks; the result file has all.
 const CAUSES: usize = 3;
 
-/// Every test of an answer, as its evidence has it.
-pub(crate) fn checks(e: &EstimateFile) -> Vec<Check> {
-    e.evidence.iter().map(check).collect()
-}
-
-fn check(row: &EvidenceFile) -> Check {
+/// A test of an answer, as its evidence has it.
+pub(crate) fn check(row: &EvidenceFile) -> Check {
     let statistic = row.statistic.as_ref().zip(row.value);
     let statistic = statistic.map(|(name, value)| format!("{name} {}", significant(value, 3)));
     let p = row.p.map(|p| format!("p = {}", probability(p)));

@@ -71,7 +71,7 @@ pub fn plan_lines(
 /// ```
 #[doc = include_str!("../doc/estimate.txt")]
 /// let lines = poinsot_report::estimate_lines(&estimate);
-/// assert!(lines[0].contains("combinations are identifiable"));
+/// assert!(lines[0].contains("combinations identifiable"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn estimate_lines(file: &EstimateFile) -> Vec<String> {

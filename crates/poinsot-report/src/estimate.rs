@@ -1,6 +1,6 @@
 //! An estimate as a terminal document.
 
-use crate::checks::{causes, checks};
+use crate::checks::{causes, check};
 use crate::summary;
 use crate::templates::TEMPLATES;
 use crate::verdict::Standing;
@@ -22,9 +22,6 @@ pub enum Detail {
     /// Also the fit and every check.
     Everything,
 }
-
-/// Unused columns told in one line.
-const COLUMNS_OF_LINE: usize = 8;
 
 /// Title of the numbers of the whole vehicle.
 pub(crate) const WHOLE: &str =
@@ -52,29 +49,21 @@ pub fn estimate_document(e: &EstimateFile, detail: Detail) -> Document {
     let determined = e.identifiability.identifiable.iter();
     let context = context! {
         word,
-        model => e.model,
-        modes => modes_found(e).map(|row| format!(" {}", row.words)),
-        mode_lines => mode_lines(e),
+        found_modes => modes_found(e).map(|row| format!(" {}", row.words)),
+        modes => modes(e),
+        base => e.bodies.keys().next(),
         sentence => summary::sentence(e),
         action => summary::action(e),
         withheld => e.is_withheld(),
-        rejected => e.status == "rejected",
         everything => detail == Detail::Everything,
         bodies => bodies.collect::<Vec<_>>(),
-        nuisance => e.nuisance,
         open => open_sentences(&e.identifiability.not_identifiable),
         determined => determined.filter(|c| !is_tabled(c)).collect::<Vec<_>>(),
-        warnings => e.warnings,
-        tests => checks(e),
+        tests => e.evidence.iter().map(check).collect::<Vec<_>>(),
         causes => e.diagnostics.iter().flat_map(causes).collect::<Vec<_>>(),
-        report => e.method_report,
-        known => known_numbers(e),
         sensitive => sensitivities(&e.known_numbers, &e.covariance),
         found => found.map(line).collect::<Vec<_>>(),
-        repairs => e.repairs,
-        unused => unused_lines(&e.ignored_columns),
-        method => e.method,
-        fit => e.fit,
+        ..Value::from_serialize(e)
     };
     TEMPLATES.document("estimate.txt", context).toned(tone)
 }
@@ -84,16 +73,10 @@ pub(crate) fn modes_found(e: &EstimateFile) -> Option<&EvidenceFile> {
     e.evidence.iter().find(|row| row.test == "flexible modes")
 }
 
-/// Elements and values of each key of a mode.
-type ModeKeys<'a> = IndexMap<&'a str, Vec<(&'a str, String)>>;
-
-/// The tables that declare them, line by line.
-fn mode_lines(e: &EstimateFile) -> Vec<String> {
-    let (Some(_), Some(base)) = (modes_found(e), e.bodies.keys().next()) else {
-        return Vec::new();
-    };
-    let mut modes: IndexMap<&str, ModeKeys> = IndexMap::new();
-    for (address, number) in &e.nuisance {
+/// Keys of each mode that the data show, with their elements and values.
+fn modes(e: &EstimateFile) -> Value {
+    let mut modes: IndexMap<&str, IndexMap<&str, Vec<(&str, String)>>> = IndexMap::new();
+    for (address, number) in e.nuisance.iter().filter(|_| modes_found(e).is_some()) {
         let (parts, Some(value)) = (Address::parse(address), number.value) else {
             continue;
         };
@@ -102,38 +85,8 @@ fn mode_lines(e: &EstimateFile) -> Vec<String> {
         let element = parts.component().unwrap_or_default();
         of.push((element, figures_of(value, number.sigma)));
     }
-    let mut lines = Vec::new();
-    for (name, keys) in modes
-        .iter()
-        .filter(|(_, keys)| keys.contains_key("frequency_Hz"))
-    {
-        lines.push("[[mode]]".to_owned());
-        lines.push(format!("name = \"{name}\""));
-        lines.push(format!("body = \"{base}\""));
-        for (key, values) in keys {
-            let value = match values.as_slice() {
-                [(_, only)] => only.clone(),
-                [(x, _), ..] if x.len() == 1 => {
-                    let each: Vec<&str> = values.iter().map(|(_, v)| v.as_str()).collect();
-                    format!("[{}]", each.join(", "))
-                }
-                _ => {
-                    let each: Vec<String> =
-                        values.iter().map(|(e, v)| format!("{e} = {v}")).collect();
-                    format!("{{ {} }}", each.join(", "))
-                }
-            };
-            lines.push(format!("{key} = {value}"));
-        }
-        let slopes = match keys.keys().any(|key| key.starts_with("inertia_slope")) {
-            true => ", \"inertia_slope\"",
-            false => "",
-        };
-        lines.push(format!(
-            "estimate = [\"frequency\", \"damping\", \"rotation\"{slopes}]"
-        ));
-    }
-    lines
+    modes.retain(|_, keys| keys.contains_key("frequency_Hz"));
+    Value::from_serialize(modes)
 }
 
 /// A number to a hundredth of its sigma.
@@ -194,20 +147,6 @@ fn is_tabled(c: &DeterminedFile) -> bool {
         }
         _ => false,
     }
-}
-
-/// Unused columns, some to a line.
-fn unused_lines(columns: &[String]) -> Vec<String> {
-    columns
-        .chunks(COLUMNS_OF_LINE)
-        .map(|c| c.join(", "))
-        .collect()
-}
-
-/// Whether all known numbers are exact, and whether their source is assumed.
-pub(crate) fn known_numbers(e: &EstimateFile) -> Value {
-    let known = &e.known_numbers;
-    context! { exact => known.exact, source_assumed => known.source_assumed }
 }
 
 /// Each known number with the result number that has its largest share of variance.

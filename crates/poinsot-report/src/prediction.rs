@@ -48,15 +48,9 @@ pub(crate) fn document(p: &PredictionFile, page: bool) -> Document {
     let context = context! {
         page, sensitive,
         limited => limited.collect::<Vec<String>>(),
-        in_words => p.in_words,
-        wants => p.wants,
         shown => shown.collect::<Vec<Value>>(),
-        nuisance => p.nuisance,
-        against_duration => p.against_duration,
-        assumptions => p.assumptions,
-        peaks => p.peaks,
         open => open_sentences(&p.identifiability.not_identifiable),
-        identifiable => p.identifiability.identifiable,
+        ..Value::from_serialize(p)
     };
     let tone = if enough { Tone::Good } else { Tone::Fair };
     TEMPLATES.document("prediction.txt", context).toned(tone)

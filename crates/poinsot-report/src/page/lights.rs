@@ -3,7 +3,7 @@
 use super::Answer;
 use crate::checks::{SIGNIFICANT, chi_square_verdict, held_out_verdict, residual_verdict};
 use poinsot_figures::{Light, Tone};
-use poinsot_files::probability;
+use poinsot_files::{counted, probability};
 use poinsot_formats::DiagnosticsFile;
 
 /// Names of findings about the size of the noise, which belong to the first question.
@@ -75,11 +75,12 @@ fn rigid(d: &DiagnosticsFile) -> Found {
         return (Tone::Bad, "no", found);
     }
     if drift > 0 {
-        let found = format!(
-            "momentum drifts in {drift} of {} tests",
-            d.momentum_drift.len()
+        let tests = counted(d.momentum_drift.len(), "test");
+        return (
+            Tone::Bad,
+            "no",
+            format!("momentum drifts in {drift} of {tests}"),
         );
-        return (Tone::Bad, "no", found);
     }
     let mut findings = d.findings.iter();
     match findings.find(|f| !OF_NOISE.contains(&f.fault.as_str())) {

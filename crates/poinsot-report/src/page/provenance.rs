@@ -2,24 +2,17 @@
 
 use super::Answer;
 use crate::templates::TEMPLATES;
-use minijinja::context;
+use minijinja::{Value, context};
 use poinsot_figures::{PageError, Part};
 
 pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     let e = &answer.estimate;
     let context = context! {
-        warnings => e.warnings,
-        repairs => e.repairs,
-        ignored => e.ignored_columns,
-        inputs => e.inputs,
-        model => e.model_file,
         command => command(&answer.data.command),
-        written_by => e.poinsot,
         method => e.method_in_words(),
-        iterations => e.iterations,
         truth => answer.data.truth.is_some(),
         truth_note => answer.data.truth_note,
-        epoch => e.epoch,
+        ..Value::from_serialize(e)
     };
     let body = TEMPLATES.html("provenance.html", context)?;
     Ok(Part::new("provenance", "Provenance", body))

@@ -181,7 +181,7 @@ fn cli_every_kind_of_file_is_checked_and_said_in_words() {
     };
     let said = answer(&file).unwrap();
     assert!(
-        said.contains("6 of 6 requested numbers are determined"),
+        said.contains("6 of 6 requested numbers determined"),
         "{said}"
     );
     // A number changed by hand is inconsistent with the covariance and the principal moments.

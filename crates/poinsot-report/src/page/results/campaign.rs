@@ -29,10 +29,11 @@ const FIGURES: usize = 12;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn campaign_page(result: &CampaignFile) -> Result<Page, PageError> {
-    let figures = match axis_of(result) {
+    let mut figures = match axis_of(result) {
         Some(address) => swept(result, &address),
         None => fixed(result),
     };
+    let first: Vec<Figure> = figures.drain(..1.min(figures.len())).collect();
     let complete = result.missing.is_empty() && result.trials >= result.planned;
     let methods = worst_of_methods(result);
     let missing = methods.values().filter(|w| w.found.missed > 0).count();
@@ -50,7 +51,15 @@ pub fn campaign_page(result: &CampaignFile) -> Result<Page, PageError> {
         sentence: worst.map(Worst::sentence).unwrap_or_default(),
         action: (!complete).then(|| "Run the missing shards with --resume.".to_owned()),
         lights: lights(&methods),
-        beside: Figure::page(figures.get(..1).unwrap_or_default())?,
+        beside: first
+            .first()
+            .map(Figure::html)
+            .transpose()?
+            .unwrap_or_default(),
+    };
+    let answer = Part {
+        figures: first,
+        ..opening.part()?
     };
     let body = Figure::page(&figures)?;
     let drawn = Part {
@@ -70,7 +79,7 @@ pub fn campaign_page(result: &CampaignFile) -> Result<Page, PageError> {
         footer: format!(
             "Intervals have 95 % confidence: Wilson for shares, Student for means, chi-square for mean squares. {ABOUT_KNOWN}. This file needs no network."
         ),
-        parts: vec![opening.part()?, drawn, tables],
+        parts: vec![answer, drawn, tables],
     })
 }
 
@@ -104,10 +113,9 @@ fn worst_of_methods(result: &CampaignFile) -> IndexMap<&str, Worst> {
                 label: label(result, cell, method),
                 found: method.calibration(),
             };
-            match all.get_mut(method.method.as_str()) {
-                Some(known) if known.rank() >= own.rank() => {}
-                Some(known) => *known = own,
-                None => _ = all.insert(&method.method, own),
+            let known = all.get(method.method.as_str());
+            if known.is_none_or(|known| known.rank() < own.rank()) {
+                all.insert(&method.method, own);
             }
         }
     }
@@ -157,6 +165,7 @@ fn fixed(result: &CampaignFile) -> Vec<Figure> {
         y: Axis::new("coverage", "%"),
         levels: vec![(95.0, "wanted".to_owned())],
         series: banded(result, 100.0, |n| n.coverage_all),
+        half: true,
         ..Plot::default()
     };
     let efficiency = Plot {
@@ -233,6 +242,7 @@ fn swept(result: &CampaignFile, address: &str) -> Vec<Figure> {
         levels: vec![(1.0, "wanted".to_owned())],
         series: lines(result, address, over_bound),
         height: 300.0,
+        half: true,
         ..Plot::default()
     };
     let figure = |name: &String| {

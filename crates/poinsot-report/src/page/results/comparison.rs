@@ -3,7 +3,7 @@
 use super::{ROWS, Shown, asked, points};
 use crate::comparison::comparison_document;
 use poinsot_figures::{Axis, Figure, Opening, Plot, Tone};
-use poinsot_files::probability;
+use poinsot_files::{counted, probability};
 use poinsot_formats::{ComparisonFile, HALF_WIDTH_95};
 
 pub(super) fn result(c: &ComparisonFile) -> Shown {
@@ -17,10 +17,10 @@ pub(super) fn result(c: &ComparisonFile) -> Shown {
     };
     let found = match c.doubts.len() {
         0 => "no evidence against any of them".to_owned(),
-        n => format!("{n} items of evidence against them"),
+        n => format!("{} of evidence against them", counted(n, "item")),
     };
     let same = c.tests.first().map(|all| {
-        let found = format!("{} numbers, p = {}", all.dof, probability(all.p));
+        let found = format!("{}, p = {}", counted(all.dof, "number"), probability(all.p));
         asked("Same vehicle?", c.verdict == "agree", found)
     });
     let document = comparison_document(c);

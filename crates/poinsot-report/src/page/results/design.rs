@@ -5,7 +5,7 @@ use super::{Shown, asked, light, ratio_figure};
 use crate::design::{ROUNDED, design_document};
 use crate::page::vehicle::{Flown, flying};
 use poinsot_figures::{Axis, Figure, Light, Mark, Opening, Plot, Series, Tone};
-use poinsot_files::significant;
+use poinsot_files::{counted, significant};
 use poinsot_formats::{DesignFile, FrontPointFile};
 use std::path::Path;
 
@@ -100,9 +100,10 @@ fn front(points: &[FrontPointFile]) -> Option<Figure> {
 fn within_limits(design: &DesignFile) -> Light {
     let broken = design.limits.iter().find(|l| l.margin < -ROUNDED);
     let active = design.limits.iter().filter(|l| l.active).count();
+    let limits = counted(design.limits.len(), "limit");
     let found = match broken {
         Some(l) => l.what.clone(),
-        None => format!("{active} of {} limits are active", design.limits.len()),
+        None => format!("active: {active} of {limits}"),
     };
     asked("Within the limits?", broken.is_none(), found)
 }

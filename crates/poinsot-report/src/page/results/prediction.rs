@@ -5,6 +5,7 @@ use super::{Shown, asked, points, ratio_figure};
 use crate::prediction::{document, predicted_sigma};
 use crate::verdict::Standing;
 use poinsot_figures::{Axis, Figure, Light, Opening, Plot};
+use poinsot_files::counted;
 use poinsot_formats::PredictionFile;
 
 pub(super) fn result(p: &PredictionFile) -> Shown {
@@ -50,13 +51,17 @@ pub(super) fn result(p: &PredictionFile) -> Shown {
 fn lights(p: &PredictionFile, met: usize) -> Vec<Light> {
     let found = &p.identifiability;
     let all = found.rank == found.parameters;
-    let of = format!("{} of {} combinations", found.rank, found.parameters);
+    let of = format!(
+        "{} of {}",
+        found.rank,
+        counted(found.parameters, "combination")
+    );
     let mut lights = vec![asked("Everything identifiable?", all, of)];
     if !all {
         lights[0].place = "open";
     }
     if !p.wants.is_empty() {
-        let of = format!("{met} of {} wanted numbers", p.wants.len());
+        let of = format!("{met} of {}", counted(p.wants.len(), "wanted number"));
         lights.push(asked("Accurate enough?", met == p.wants.len(), of));
     }
     lights

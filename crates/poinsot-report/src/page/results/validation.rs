@@ -2,7 +2,9 @@
 
 use super::curves::differences;
 use super::{Shown, asked, ratio_figure};
+use crate::templates::TEMPLATES;
 use crate::validation::validation_document;
+use minijinja::context;
 use poinsot_figures::{Figure, Opening, Picture};
 use poinsot_files::significant;
 use poinsot_formats::ValidationFile;
@@ -22,6 +24,7 @@ pub(super) fn result(v: &ValidationFile, folder: &Path) -> Result<Shown, String>
             .filter_map(|c| Some((c, c.sigmas.as_ref()?)))
     };
     let largest = sigmas().max_by(|a, b| a.1.rms.total_cmp(&b.1.rms));
+    let sentence = context! { verdict => v.verdict, rms => largest.map(|l| l.1.rms) };
     let within = largest.map(|(c, s)| {
         let found = format!("{}: rms {} sigma", c.quantity, significant(s.rms, 3));
         asked("Within the declared noise?", v.verdict == "agrees", found)
@@ -52,7 +55,7 @@ pub(super) fn result(v: &ValidationFile, folder: &Path) -> Result<Shown, String>
         opening: Opening {
             tone: document.tone,
             word: word.to_owned(),
-            sentence: largest_difference_sentence(v, largest.map(|l| l.1.rms)),
+            sentence: TEMPLATES.lines("differences.txt", sentence).concat(),
             action: action.map(str::to_owned),
             lights: within.into_iter().chain(reliable).collect(),
             ..Opening::default()
@@ -63,23 +66,6 @@ pub(super) fn result(v: &ValidationFile, folder: &Path) -> Result<Shown, String>
         inputs: own.into_iter().chain(estimate).chain(case).collect(),
         ..Shown::default()
     })
-}
-
-/// The verdict without file paths.
-fn largest_difference_sentence(v: &ValidationFile, largest: Option<f64>) -> String {
-    let moves = match v.verdict.as_str() {
-        "undetermined" => "The motion depends on undetermined numbers".to_owned(),
-        "compared" => "The motions are compared; no limit is given".to_owned(),
-        "agrees" => "The prediction agrees".to_owned(),
-        _ => "The prediction differs".to_owned(),
-    };
-    match largest {
-        Some(rms) => format!(
-            "{moves}: the largest difference is {} times the declared noise (rms).",
-            significant(rms, 3)
-        ),
-        None => format!("{moves}."),
-    }
 }
 
 /// The differences of every sensor, in units of its declared noise.
