@@ -65,7 +65,7 @@ pub(super) fn drawn(answer: &Answer) -> Scene {
     let nominal = bodies.filter_map(|(body, b)| edges(body, &nominal(answer, b)?));
     scene.curves.extend(nominal);
     scene.title = "the vehicle, axes of the base, m".to_owned();
-    scene.note = "Box: a body as the homogeneous box with its mass and inertia, estimated where determined, else nominal; dark edges: nominal. Arrows: wheels, thrusters, joint axes. Lines connect frame origins and joints.".to_owned();
+    scene.note = "Box: a body as the homogeneous box with its mass and inertia, estimated where determined, else nominal; lines on its edges: nominal. Arrows: wheels, thrusters, joint axes. Lines connect frame origins and joints.".to_owned();
     scene
 }
 

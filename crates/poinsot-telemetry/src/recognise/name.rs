@@ -159,7 +159,7 @@ impl Name {
             "i" if of_quaternion => 0,
             "j" if of_quaternion => 1,
             "k" if of_quaternion => 2,
-            "w" | "s" | "c" | "scalar" if of_quaternion => 3,
+            "w" | "s" | "scalar" if of_quaternion => 3,
             _ => return letter,
         };
         self.axis = Some(axis);
