@@ -73,9 +73,12 @@ pub(crate) fn modes_found(e: &EstimateFile) -> Option<&EvidenceFile> {
     e.evidence.iter().find(|row| row.test == "flexible modes")
 }
 
+/// Elements and values of each key of a mode.
+type ModeKeys<'a> = IndexMap<&'a str, Vec<(&'a str, String)>>;
+
 /// Keys of each mode that the data show, with their elements and values.
 fn modes(e: &EstimateFile) -> Value {
-    let mut modes: IndexMap<&str, IndexMap<&str, Vec<(&str, String)>>> = IndexMap::new();
+    let mut modes: IndexMap<&str, ModeKeys> = IndexMap::new();
     for (address, number) in e.nuisance.iter().filter(|_| modes_found(e).is_some()) {
         let (parts, Some(value)) = (Address::parse(address), number.value) else {
             continue;

@@ -1,4 +1,5 @@
 //! Counts in what a reader sees: at one, a noun has no plural.
+#![allow(clippy::unwrap_used)]
 
 use poinsot_figures::Document;
 use poinsot_formats::{
