@@ -84,6 +84,26 @@
     }
   }
 
+  // Turn and shift of every body since the first time: joints one after the other, from the root outwards.
+  function posed(tree, k, own, ...beside) {
+    const moves = tree && tree.base_q_xyzw.length;
+    const all = [moves ? { q: tree.base_q_xyzw[k], p: tree.base_shift[k] } : own, ...beside];
+    for (const j of tree ? tree.joints : []) {
+      const at = all[j.parent] || all[0], by = j.moved[k] || 0;
+      const q = j.slides ? STILL : about(j.axis, by);
+      const p = j.slides ? add([0, 0, 0], j.axis, by) : add(j.origin, turn(q, j.origin), -1);
+      all[j.child] = { q: times(at.q, q), p: add(at.p, turn(at.q, p)) };
+    }
+    return all;
+  }
+  // Half the size of a scene in which no body leaves the picture while joints move.
+  function roomy({ tree, ellipsoids, centre, extent }) {
+    const ends = ellipsoids.flatMap(e => e.axes.flatMap(a => [1, -1].map(s => [e.body, add(e.centre, a, s)])));
+    const far = all => ends.map(([body, x]) => 0.6 * Math.hypot(...add(add(all[body].p, turn(all[body].q, x)), centre, -1)));
+    const farthest = (most, _, k) => Math.max(most, ...far(posed(tree, k, { q: STILL, p: [0, 0, 0] })));
+    return tree ? tree.time_s.reduce(farthest, extent) : extent;
+  }
+
   class Picture {
     constructor(figure) {
       this.figure = figure;
@@ -118,7 +138,7 @@
     }
     // The bodies of the scene beside follow the one body of the scene, at the same size.
     static together(d) {
-      const b = d.beside, f = b && d.extent / b.extent, at = p => p && p.map((x, k) => d.centre[k] + f * (x - b.centre[k]));
+      const b = d.beside, f = b && d.extent / roomy(b), at = p => p && p.map((x, k) => d.centre[k] + f * (x - b.centre[k]));
       if (!b) return d;
       const next = item => ({ ...item, body: item.body + 1 });
       d.ellipsoids.push(...b.ellipsoids.map(e => ({ ...next(e), centre: at(e.centre), axes: e.axes.map(a => a.map(x => f * x)) })));
@@ -289,19 +309,10 @@
         this.plane = this.upload(plane);
       }
     }
-    // Turn and shift of every body since the first time: joints one after the other, from the root outwards.
+    // Turn and shift of every body since the first time.
     poses(own) {
-      const tree = this.data.tree, k = this.frame, moves = tree && tree.base_q_xyzw.length;
-      const all = [moves ? { q: tree.base_q_xyzw[k], p: tree.base_shift[k] } : { q: own, p: [0, 0, 0] }];
-      if (this.apart) all.push({ q: own, p: add([0, 0, 0], this.eye.right, 2 * this.apart) });
-      if (!tree) return all;
-      for (const j of tree.joints) {
-        const at = all[j.parent] || all[0], by = j.moved[k] || 0;
-        const q = j.slides ? STILL : about(j.axis, by);
-        const p = j.slides ? add([0, 0, 0], j.axis, by) : add(j.origin, turn(q, j.origin), -1);
-        all[j.child] = { q: times(at.q, q), p: add(at.p, turn(at.q, p)) };
-      }
-      return all;
+      const beside = this.apart ? [{ q: own, p: add([0, 0, 0], this.eye.right, 2 * this.apart) }] : [];
+      return posed(this.data.tree, this.frame, { q: own, p: [0, 0, 0] }, ...beside);
     }
     // Height of the invariable plane, whose normal is the third axis of space.
     low() {
@@ -354,14 +365,20 @@
     }
     passing(mesh, q) { const made = this.upload(mesh); this.paint(made, q); this.gl.deleteBuffer(made.buffer); }
     label(list, wide, high) {
-      const { right, up, sx, sy } = this.eye, shown = list.filter(l => l[0]);
+      const { centre, right, up, sx, sy } = this.eye, taken = [];
+      const placed = ([word, at], p = add(at, centre, -1)) => [word, wide * (0.5 + 0.5 * sx * dot(p, right)), high * (0.5 - 0.5 * sy * dot(p, up))];
+      const shown = list.filter(l => l[0]).map(l => placed(l)).sort((a, b) => a[2] - b[2]);
       while (this.words.children.length < shown.length) this.words.appendChild(document.createElement("span"));
       [...this.words.children].forEach((span, i) => {
         span.hidden = i >= shown.length;
         if (span.hidden) return;
-        const p = add(shown[i][1], this.eye.centre, -1), x = wide * (0.5 + 0.5 * sx * dot(p, right)), y = high * (0.5 - 0.5 * sy * dot(p, up));
-        span.textContent = shown[i][0];
-        span.style.transform = `translate(${x + 6}px, ${y - 20}px)`;
+        const [word, x, y] = shown[i];
+        span.textContent = word;
+        // Inside the picture, and below a label that stands there.
+        const left = Math.min(x + 6, wide - span.offsetWidth), end = left + span.offsetWidth;
+        const top = taken.reduce((top, t) => top < t[2] + 16 && left < t[1] && end > t[0] ? t[2] + 16 : top, y - 20);
+        taken.push([left, end, top]);
+        span.style.transform = `translate(${left}px, ${top}px)`;
       });
     }
   }
