@@ -257,11 +257,13 @@ impl<'a> Builder<'a> {
     fn pointers(&mut self, list: &[Pointer], colour: usize, reach: f64) {
         for p in list {
             let by = Vector3::from(p.direction) * (reach * self.size);
-            let (colour, label) = match self.is_suspect(&p.name) {
-                true => (SUSPECT.1, format!("{} (suspected)", p.name)),
-                false => (colour, p.name.clone()),
+            let (colour, label, tail) = match self.is_suspect(&p.name) {
+                // To both sides, so that no body hides it.
+                true => (SUSPECT.1, format!("{} (suspected)", p.name), by),
+                false => (colour, p.name.clone(), Vector3::zeros()),
             };
-            self.arrow(self.index(&p.body), &p.at_m, by, label, colour);
+            let from = Vector3::from(p.at_m) - tail;
+            self.arrow(self.index(&p.body), &from.into(), by + tail, label, colour);
         }
     }
 
