@@ -4,7 +4,7 @@ use crate::estimate::{WHOLE, body_title, open_sentences, sensitivities};
 use crate::templates::TEMPLATES;
 use minijinja::{Value, context};
 use poinsot_figures::{Document, Tone};
-use poinsot_files::significant;
+use poinsot_files::{counted, significant};
 use poinsot_formats::{
     KnownNumbersFile, MassFile, PredictedNumberFile, PredictionFile, SensitivityFile, WantedFile,
 };
@@ -47,7 +47,7 @@ pub(crate) fn document(p: &PredictionFile, page: bool) -> Document {
     let limited = missed.filter_map(|w| limited(w, known?));
     let context = context! {
         page, sensitive,
-        limited => limited.collect::<Vec<String>>(),
+        limited => limited.collect::<Vec<Value>>(),
         shown => shown.collect::<Vec<Value>>(),
         open => open_sentences(&p.identifiability.not_identifiable),
         ..Value::from_serialize(p)
@@ -58,7 +58,7 @@ pub(crate) fn document(p: &PredictionFile, page: bool) -> Document {
 
 /// What a wanted sigma owes to the known numbers, where the data alone reach it: the one that has the largest share, and
 /// the sigma with that one measured to 1 %.
-fn limited(want: &WantedFile, known: &KnownNumbersFile) -> Option<String> {
+fn limited(want: &WantedFile, known: &KnownNumbersFile) -> Option<Value> {
     let sigma = want.sigma?;
     let data = known.sigma_data.get(&want.name)?;
     let share = |s: &SensitivityFile| s.variance_share.get(&want.name).copied().unwrap_or(0.0);
@@ -66,16 +66,8 @@ fn limited(want: &WantedFile, known: &KnownNumbersFile) -> Option<String> {
     let (largest, share) = all.max_by(|a, b| a.1.total_cmp(&b.1))?;
     let better = (MEASURED * largest.value.abs() / largest.sigma).min(1.0);
     let then = sigma * (1.0 - share * (1.0 - better * better)).max(0.0).sqrt();
-    (*data <= want.wanted_sigma).then(|| {
-        format!(
-            "{}: the data alone give {}; {} has {} % of the variance, and measured to 1 % leaves {}",
-            want.name,
-            significant(*data, FIGURES),
-            largest.number,
-            significant(100.0 * share, FIGURES),
-            significant(then, FIGURES),
-        )
-    })
+    let words = context! { name => want.name, data, number => largest.number, share, then };
+    Some(words).filter(|_| *data <= want.wanted_sigma)
 }
 
 /// Whether any single number of a body will be determined.
@@ -112,11 +104,11 @@ pub fn prediction_sentence(prediction: &PredictionFile) -> String {
     }
     let found = &prediction.identifiability;
     format!(
-        "{} of this manoeuvre ({}, {} of {} combinations): {}.",
+        "{} of this manoeuvre ({}, {} of {}): {}.",
         duration(prediction.duration_s),
         prediction.model,
         found.rank,
-        found.parameters,
+        counted(found.parameters, "combination"),
         told.join("; ")
     )
 }
