@@ -105,15 +105,14 @@ impl Check<'_, '_> {
         };
         let here = key.at("seen_from");
         let Some(relative) = kind.seen_from_a_body() else {
-            let problem = format!("a sensor of type \"{}\" sees no body", kind.word());
+            let problem = format!("a sensor of type \"{}\" observes no body", kind.word());
             let remedy = format!("remove it; sensors of type {} can have it", can_see());
             return self.refuse("E0118", &here, problem, remedy);
         };
         let from = self.body_of(Some(name))?;
         if body == Some(from) {
-            let problem = "the sensor would see its own body";
-            let remedy =
-                "write the seen body as body, and the body that carries the camera as seen_from";
+            let problem = "the sensor would observe its own body";
+            let remedy = "write the observed body as body, and the body that carries the camera as seen_from";
             return self.refuse("E0118", &here, problem, remedy);
         }
         Some((relative, from))
