@@ -187,7 +187,7 @@ impl ConventionTest {
         let [declared, least] = [&self.readings, &self.good].map(|of| rounded(first(of), 4));
         let best = self.simplest().1;
         let problem = format!(
-            "{kind} '{a}' and {other} '{b}' contradict {what}: residual {declared} {unit}, but {least} {unit} with {best}"
+            "{kind} '{a}' and {other} '{b}' are inconsistent with {what}: residual {declared} {unit}, but {least} {unit} with {best}"
         );
         let advice = "correct the map or the file";
         Faults::one("E0215", Place::default(), problem, advice)

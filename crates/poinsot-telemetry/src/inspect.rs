@@ -156,7 +156,7 @@ pub(crate) fn notes(channel: &ChannelSummary) -> Vec<String> {
     let largest = channel.max.abs().max(channel.min.abs());
     if name.ends_with("_rad_s") && largest > FAST_WHEEL {
         notes.push(format!(
-            "{name} reaches {largest:.0} rad/s ({:.0} rpm): check its unit, which attitude and gyro cannot tell",
+            "{name} reaches {largest:.0} rad/s ({:.0} rpm): check its unit, which attitude and gyro do not determine",
             largest * 30.0 / std::f64::consts::PI
         ));
     }

@@ -98,7 +98,7 @@ fn contradicted(files: &[PathBuf], options: &ReadOptions, inspection: &Inspectio
     };
     let lines = declared.lines.iter().map(|line| line.text.as_str());
     let lines = lines.collect::<Vec<_>>().join("\n");
-    format!("With these lines in the map nothing contradicts:\n{lines}")
+    format!("With these lines in the map the measurements are consistent:\n{lines}")
 }
 
 /// An inspection with what it proposes.

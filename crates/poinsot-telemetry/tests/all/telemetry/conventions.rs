@@ -188,7 +188,7 @@ fn unit_the_error_names_both_residuals() {
         .to_string();
     assert!(
         message.starts_with(
-            "E0215 attitude 'q_x..q_w' and gyro 'omega_x..z' contradict the declared xyzw, Hamilton, body to inertial, gyro in rad/s and body axes: residual "
+            "E0215 attitude 'q_x..q_w' and gyro 'omega_x..z' are inconsistent with the declared xyzw, Hamilton, body to inertial, gyro in rad/s and body axes: residual "
         ) && message.ends_with(
             " rad/s with quaternion inertial to body (or body to inertial in JPL algebra); correct the map or the file"
         ),

@@ -33,7 +33,7 @@ fn unit_an_inspection_lists_rates_gaps_and_proposals() {
     assert_eq!(
         seen.notes,
         [
-            "wheel1_rad_s reaches 6000 rad/s (57296 rpm): check its unit, which attitude and gyro cannot tell",
+            "wheel1_rad_s reaches 6000 rad/s (57296 rpm): check its unit, which attitude and gyro do not determine",
         ]
     );
     let found: Vec<&str> = seen.findings.iter().map(|f| f.text.as_str()).collect();
