@@ -436,7 +436,7 @@ fn undamped(problem: &Problem, estimate: &Estimate) -> Vec<Remark> {
     });
     let words = |m: &FlexibleMode| {
         format!(
-            "cannot tell {} from a disturbance of constant amplitude: its damping is not determined",
+            "{} cannot be distinguished from a disturbance of constant amplitude: its damping is not determined",
             m.name
         )
     };
