@@ -75,7 +75,9 @@ const UNKNOWN: Verdict = verdict("", ALWAYS, Tone::Bad, "Unknown status");
 
 type Condition = (&'static str, fn(&Standing) -> bool);
 
-const DOUBTED: Condition = ("any evidence against the answer (`doubts`)", |s| s.doubted);
+const DOUBTED: Condition = ("evidence against the answer (`doubts` is not empty)", |s| {
+    s.doubted
+});
 const UNSTATED: Condition = ("the method states no uncertainty", |s| {
     !s.covariance_trustworthy
 });

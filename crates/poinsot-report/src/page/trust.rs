@@ -184,7 +184,7 @@ fn quantity(name: &str) -> (String, &str) {
         ),
         _ => return (word.replace('_', " "), word),
     };
-    let axes = seen.map_or(axes, |_| "axes of the body from which it is seen");
+    let axes = seen.map_or(axes, |_| "axes of the observing body");
     (format!("{what}, {axes}"), symbol)
 }
 
