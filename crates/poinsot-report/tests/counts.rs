@@ -77,10 +77,10 @@ fn prop_the_sentence_agrees_in_number() {
     estimate.warnings = vec!["the wheel".to_owned()];
     estimate.fit.clear();
     let text = estimate_document(&estimate, Detail::Answer).verdict;
-    assert!(text.contains("1 finding contradicts"), "{text}");
+    assert!(text.contains("1 finding is inconsistent"), "{text}");
     estimate.warnings.push("the gyro".to_owned());
     let text = estimate_document(&estimate, Detail::Answer).verdict;
-    assert!(text.contains("2 findings contradict "), "{text}");
+    assert!(text.contains("2 findings are inconsistent "), "{text}");
 }
 
 /// The page shows the correlation of every pair of estimates once, and the vehicle beside the ellipsoid.

@@ -37,15 +37,17 @@ fn cli_exit_1_and_one_verdict_everywhere_where_a_prior_contradicts_the_data() {
         first.starts_with("stsat3: Determined, not reliable. "),
         "{first}"
     );
-    assert!(printed.contains("Explain the failed test first: a prior contradicts the data."));
+    assert!(
+        printed.contains("Explain the failed test first: a prior is inconsistent with the data.")
+    );
     let file = std::fs::read_to_string(out.join("estimate.json")).unwrap();
     let file: Value = serde_json::from_str(&file).unwrap();
     assert_eq!(file["status"], "converged");
     assert_eq!(file["covariance_trustworthy"], false);
-    assert_eq!(file["doubts"][0], "a prior contradicts the data");
+    assert_eq!(file["doubts"][0], "a prior is inconsistent with the data");
     let page = std::fs::read_to_string(out.join("report.html")).unwrap();
     assert!(page.contains("Determined, not reliable"));
-    assert!(page.contains("a prior contradicts the data"));
+    assert!(page.contains("a prior is inconsistent with the data"));
     // Exported on request only, and marked.
     let export = |arguments: &[&str]| {
         let mut command = Command::cargo_bin("poinsot").unwrap();
@@ -57,7 +59,7 @@ fn cli_exit_1_and_one_verdict_everywhere_where_a_prior_contradicts_the_data() {
         (vec!["--to", "csv"], "data (not reliable)"),
         (
             vec!["--to", "model", "--onto", onto],
-            "# poinsot: not reliable: a prior contradicts the data\n",
+            "# poinsot: not reliable: a prior is inconsistent with the data\n",
         ),
     ] {
         let refused = export(&arguments);

@@ -68,8 +68,8 @@ impl Rejection {
     /// The row of the evidence, also where there is no reason.
     pub fn row(reason: Option<Self>, solution: &Solution) -> Remark {
         let words = match reason {
-            Some(_) => "the data contradict the rigid model",
-            None => "the data do not contradict the rigid model",
+            Some(_) => "the data are inconsistent with the rigid model",
+            None => "the data are consistent with the rigid model",
         };
         let effect = Effect::RejectsModel.if_failed(reason.is_some());
         let (statistic, value) = match (reason, solution.explained) {

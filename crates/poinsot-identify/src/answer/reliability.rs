@@ -70,7 +70,7 @@ fn priors(own: &OfLikelihood) -> Vec<Remark> {
     let mut ratio = own.conflict.as_ref().map(|conflict| conflict.ratio);
     let row = |test: &crate::problem::prior::PriorTest| {
         let words = match test.contradicted {
-            true => "a prior contradicts the data".to_owned(),
+            true => "a prior is inconsistent with the data".to_owned(),
             false => format!("{} and data agree", test.of),
         };
         let effect = Effect::AgainstAnswer.if_failed(test.contradicted);

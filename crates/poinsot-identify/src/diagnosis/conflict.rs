@@ -65,7 +65,7 @@ pub(crate) fn priors_against_data(
         (Some(first), _) => said(first, apart.len() - 1),
         (None, false) => return out,
         (None, true) => format!(
-            "the priors of mass properties together contradict the data by more than {} sigma; correct their nominal numbers or sigmas",
+            "the priors of mass properties are together inconsistent with the data by more than {} sigma; correct their nominal numbers or sigmas",
             in_words(limit)
         ),
     };
@@ -96,7 +96,7 @@ fn said(a: &Discrepancy, more: usize) -> String {
     };
     let [nominal, sigma, value, own] = [*nominal, *sigma, a.value, a.sigma].map(|x| rounded(x, 5));
     format!(
-        "the prior of {name} contradicts the data: declared {nominal} ± {sigma} {unit}, estimated {value} ± {own} {unit}, difference {:.0} sigma{more}; correct the nominal number or the sigma of the prior",
+        "the prior of {name} is inconsistent with the data: declared {nominal} ± {sigma} {unit}, estimated {value} ± {own} {unit}, difference {:.0} sigma{more}; correct the nominal number or the sigma of the prior",
         a.z.abs()
     )
 }

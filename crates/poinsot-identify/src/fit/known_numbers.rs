@@ -236,7 +236,7 @@ fn contradicted(
         let [nominal, sigma, alone, own] = numbers.map(|x| rounded(x, 5));
         Conflict {
             text: format!(
-                "the data contradict the known number {}: model {nominal} ± {sigma} {unit}, estimated {alone} ± {own} {unit}, difference {z:.0} sigma; correct the number or its uncertainty",
+                "the known number {} is inconsistent with the data: model {nominal} ± {sigma} {unit}, estimated {alone} ± {own} {unit}, difference {z:.0} sigma; correct the number or its uncertainty",
                 unknown.name
             ),
             ratio: 1.0 + pull.square,

@@ -32,7 +32,7 @@ fn refused(problem: impl std::fmt::Display, advice: &str) -> Faults {
 
 fn dependent() -> Faults {
     refused(
-        "its determined combinations contradict each other: the file was changed",
+        "its determined combinations are inconsistent with each other: the file was changed",
         "write it again with identify",
     )
 }
@@ -287,6 +287,6 @@ estimate = true
         refused(&[], "no determined combination");
         let one = combination(&[("bus.m", 1.0)], 9.0);
         let same = combination(&[("bus.m", 2.0)], 18.1);
-        refused(&[one, same], "contradict each other");
+        refused(&[one, same], "inconsistent with each other");
     }
 }

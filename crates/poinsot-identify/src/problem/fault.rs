@@ -71,7 +71,7 @@ faults! {
     MomentumDrift: "momentum_drift", "angular momentum drifts in inertial axes",
         "; write disturbance_torque_inertial = \"estimate\" in [environment]";
     ForceDrift: "force_drift", "linear momentum drifts in inertial axes", "";
-    Prior: "prior", "a declared prior that the data contradict", "";
+    Prior: "prior", "a declared prior that is inconsistent with the data", "";
     Outliers: "outliers", "single outliers", "; a robust loss limits their effect (--variant student_t)";
     NoiseUnderstated: "noise_understated", "noise larger than declared, and white", "";
     NoiseOverstated: "noise_overstated", "noise far smaller than declared", "";

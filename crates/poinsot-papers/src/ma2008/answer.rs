@@ -100,7 +100,7 @@ pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Faults>
     let cause = contradicted.map(Remark::warning);
     estimate.remarks.splice(0..0, cause);
     if rejected {
-        let words = "the data contradict the given momentum, or leave no positive mass";
+        let words = "the data are inconsistent with the given momentum, or leave no positive mass";
         estimate.add(Remark::test("rigid model", Effect::RejectsModel, words));
     }
     estimate.method_report = Some(report(limits.bounds(&solved)));
@@ -136,7 +136,7 @@ fn contradiction(
     let free = misfit(&certified(problem, Given::default())?);
     Ok((chi2 > CONTRADICTED * free).then(|| {
         format!(
-            "the declared momentum contradicts the data: residuals are {:.1} times the declared noise with it and {:.1} times without; give linear_N_s and angular_N_m_s in N, angular about the system mass centre, at the first sample, or use --variant unknown-momentum",
+            "the declared momentum is inconsistent with the data: residuals are {:.1} times the declared noise with it and {:.1} times without; give linear_N_s and angular_N_m_s in N, angular about the system mass centre, at the first sample, or use --variant unknown-momentum",
             chi2.sqrt(),
             free.sqrt()
         )

@@ -152,7 +152,7 @@ fn stat_a_prior_is_a_row_whether_it_agrees_or_not() {
             assert_rows_decide(&answer, &[]);
             assert_eq!((row.effect, row.sigma_factor), (Effect::None, 1.0));
         } else {
-            assert_rows_decide(&answer, &["a prior contradicts the data"]);
+            assert_rows_decide(&answer, &["a prior is inconsistent with the data"]);
             assert_eq!(row.effect, Effect::AgainstAnswer);
             assert_eq!(row.sigma_factor, sigma_factor(&answer.estimate));
         }
@@ -174,7 +174,7 @@ fn stat_a_vehicle_that_is_not_rigid_is_rejected_by_its_rows() {
     let answer = identify_tables(model, vec![table], &rigid).unwrap();
     let words = answer.estimate.doubts();
     let line = "a spectral line in the residual: the vehicle is not rigid";
-    assert_eq!(words[0], "the data contradict the rigid model");
+    assert_eq!(words[0], "the data are inconsistent with the rigid model");
     assert!(words.iter().any(|w| w == line), "{words:?}");
     let expected: Vec<&str> = words.iter().map(String::as_str).collect();
     assert_rows_decide(&answer, &expected);
@@ -197,7 +197,7 @@ fn stat_withheld_numbers_have_a_row_that_rejects() {
     let answer = run(&example("ma2008/model_noisy.toml"), &record.write());
     let words = answer.estimate.doubts();
     let expected: Vec<&str> = words.iter().map(String::as_str).collect();
-    assert_eq!(words[0], "the data contradict the rigid model");
+    assert_eq!(words[0], "the data are inconsistent with the rigid model");
     assert_rows_decide(&answer, &expected);
 }
 
@@ -255,7 +255,10 @@ fn unit_a_file_that_differs_from_its_rows_is_noticed() {
     let mut earlier = file.clone();
     earlier.evidence.clear();
     assert!(Standing::of(&earlier).doubted);
-    assert_eq!(earlier.evidence_against(), ["a prior contradicts the data"]);
+    assert_eq!(
+        earlier.evidence_against(),
+        ["a prior is inconsistent with the data"]
+    );
 }
 
 /// Times that are 1 % too long scale all rates alike: 110 sigma, and trusted, before the equal scales were a doubt.

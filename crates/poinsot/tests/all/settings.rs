@@ -79,7 +79,7 @@ fn unit_the_limit_of_a_contradiction_decides() {
     };
     let strict = asked(&model, strict).unwrap();
     assert_eq!(row(&strict, prior).effect, Effect::AgainstAnswer);
-    assert_eq!(strict.doubts(), ["a prior contradicts the data"]);
+    assert_eq!(strict.doubts(), ["a prior is inconsistent with the data"]);
 }
 
 #[test]

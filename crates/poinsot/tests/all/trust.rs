@@ -192,7 +192,7 @@ fn stat_joints_that_read_late_are_rejected_and_nuisances_withheld() {
     let answer = run(&example("ma2008/model_noisy.toml"), &record.write());
     let e = &answer.estimate;
     assert_eq!(e.status, Status::Rejected);
-    assert_doubted(&answer, "the data contradict the rigid model");
+    assert_doubted(&answer, "the data are inconsistent with the rigid model");
     let bias = e.nuisance.iter().find(|n| n.name == "gyro.bias_x");
     assert_eq!(bias.unwrap().number.value, None);
     let text = estimate_document(&estimate_file(&answer), Detail::Answer).to_string();
@@ -220,7 +220,7 @@ fn stat_a_prior_that_the_data_contradict_is_the_first_thing_said() {
         let folder = tempfile::tempdir().unwrap();
         let answer = run(&with_prior(folder.path(), sigma), &example(STSAT3));
         let e = &answer.estimate;
-        assert_doubted(&answer, "a prior contradicts the data");
+        assert_doubted(&answer, "a prior is inconsistent with the data");
         let found = &e.diagnostics.as_ref().unwrap().findings;
         assert_eq!(found[0].fault, FaultKind::Prior);
         assert!(
@@ -262,7 +262,7 @@ fn stat_a_calibration_that_the_data_contradict_is_named() {
         let first = e.warnings().first().cloned().unwrap_or_default();
         println!("{sigma}: {first}");
         assert_eq!(
-            first.starts_with("the prior of gyro.bias_x contradicts the data"),
+            first.starts_with("the prior of gyro.bias_x is inconsistent with the data"),
             contradicted
         );
         assert_eq!(!answer.passes(), contradicted, "{:?}", e.doubts());
