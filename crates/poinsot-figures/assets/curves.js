@@ -49,7 +49,7 @@
         stroke: () => colour("soft"), grid: { stroke: () => colour("grid"), width: 1 }, ticks: { stroke: () => colour("rule"), width: 1, size: 4 } });
       this.legend(table, unit);
       this.plot = new uPlot({
-        width: wide, height: d.height || 220, padding: [8, 8, 0, 0], legend: { show: false },
+        width: wide, height: d.height || 220, padding: [8, 16, 0, 0], legend: { show: false },
         scales: { x: { time: false } },
         axes: [{ ...axis(d.x[0] + " [" + d.x[1] + "]"), size: 36, labelSize: 18 }, axis(d.y[0] + (unit ? " [" + unit + "]" : ""))],
         cursor: {
