@@ -114,10 +114,17 @@ impl Pace {
 /// assert!(poinsot_files::memory_limit() > 0.0);
 /// ```
 pub fn memory_limit() -> f64 {
-    match LIMIT_MIB.load(Ordering::Relaxed) {
-        0 => SHARE * free(),
-        mib => mib as f64 * 1024.0 * 1024.0,
-    }
+    given_memory_limit().unwrap_or_else(|| SHARE * free())
+}
+
+/// The limit of [`limit_memory`], bytes; `None` without one. What an answer holds may depend on this one alone, not on what is free.
+///
+/// ```
+/// assert_eq!(poinsot_files::given_memory_limit(), None);
+/// ```
+pub fn given_memory_limit() -> Option<f64> {
+    let mib = LIMIT_MIB.load(Ordering::Relaxed);
+    (mib > 0).then_some(mib as f64 * 1024.0 * 1024.0)
 }
 
 /// Checks that the estimated memory of some work is within the limit: that of [`limit_memory`], or 80 % of what is

@@ -21,7 +21,8 @@ mod plain;
 mod stage;
 
 pub use budget::{
-    Pace, check_memory, check_time, limit_hours, limit_memory, memory_limit, stated, time_limit,
+    Pace, check_memory, check_time, given_memory_limit, limit_hours, limit_memory, memory_limit,
+    stated, time_limit,
 };
 pub use fault::{Fault, FaultKind, Faults, MOST_FAULTS, Place, io_advice};
 pub use input::{InputError, open, read, read_text, read_tree, spooled, standard_input};

@@ -13,6 +13,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
+use std::borrow::Cow;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
@@ -166,10 +167,15 @@ pub fn result_text<T: Serialize>(file: &T, pretty: bool) -> serde_json::Result<S
         true => serde_json::to_string_pretty(file)?,
         false => serde_json::to_string(file)?,
     };
-    let text = json_escaped(&text);
+    let mut text = match json_escaped(&text) {
+        Cow::Owned(escaped) => escaped,
+        Cow::Borrowed(_) => text,
+    };
     let body = text.strip_suffix('}').unwrap_or(&text).trim_end();
     let sum = sha256(body.as_bytes());
-    Ok(format!("{body},\n  {SEAL}: \"{sum}\"\n}}\n"))
+    text.truncate(body.len());
+    text.push_str(&format!(",\n  {SEAL}: \"{sum}\"\n}}\n"));
+    Ok(text)
 }
 
 /// The checksum at the end of a text and whether it is that of the text before it; `None` without one.

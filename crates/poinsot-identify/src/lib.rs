@@ -56,7 +56,7 @@
 //!   `known_numbers.rs`: known numbers within their uncertainty. `degrees_of_freedom.rs`. `experiment/`: columns of
 //!   known numbers, predicted measurements.
 //! - `diagnosis/`: causes of a misfit. `oscillation.rs`: a mode in the residual. `candidates.rs`: numbers of the registry that telemetry can show, and known numbers.
-//!   `table.rs`: their columns. `sensor_blocks.rs`: errors of many sensors, one triangle each. `onset.rs`, `pulse.rs`: causes that start within a record. `score.rs`: misfit explained
+//!   `table.rs`: their columns. `onset.rs`, `pulse.rs`: causes that start within a record. `score.rs`: misfit explained
 //!   by columns. `noise_models.rs`: other noise models. `suspects.rs`: evidence. `conflict.rs`: priors against data.
 //!   `octaves.rs`: residuals by octave. `deviance.rs`: likelihood under the declared noise.
 //! - `solution/`: `solved.rs`: the numerical solution. `unobservable_set.rs`: invariants along unobservable directions.

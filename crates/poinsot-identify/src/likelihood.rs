@@ -22,7 +22,7 @@ use crate::problem::segment::{Noise, Segment};
 use crate::sensors::{IdealSeries, SpareVectors};
 use nalgebra::Cholesky;
 use parallel::compare_all;
-use poinsot_dynamics::{SensorError, Tree};
+use poinsot_dynamics::Tree;
 use poinsot_model::{RandomTorque, SensorKind, Thruster};
 use poinsot_solve::{BlockQr, Triangle};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
@@ -59,8 +59,9 @@ pub(crate) struct Setting<'a> {
     pub keep_rows: bool,
     /// Whether the inputs are smoothed by all samples.
     pub smooth_inputs: bool,
-    /// Errors with a column in the rows of their own sensor alone; where there are any, every sensor has a triangle of its own.
-    pub own_errors: &'a [(usize, SensorError)],
+    /// How many of the unknowns were fitted, where those behind them are only candidates: rows that these do not move then have a
+    /// narrow triangle of their own.
+    pub fitted: Option<usize>,
     /// How the known numbers move the predictions, where that is asked.
     pub known: Option<&'a KnownColumns>,
     /// Whether a second thread may follow the motion while this one compares.
@@ -118,8 +119,6 @@ pub(crate) struct ChannelResidual {
 #[derive(Clone, Default)]
 pub(crate) struct Evaluated {
     pub triangle: Option<Triangle>,
-    /// By record: columns `[start | unknowns | errors of its own | residual]`. Rows of no sensor are in `triangle`.
-    pub by_sensor: Vec<Triangle>,
     /// Weighted sum of squares; plain for the Gaussian loss.
     pub chi2: f64,
     /// What is minimised: with `ln det` of the readings' covariance over that of the sensors alone, but about smoothed inputs.
@@ -264,8 +263,8 @@ struct SegmentComparison<'a> {
     with_sensitivities: bool,
     /// `None` without sensitivities, and where the rows are kept.
     qr: Option<BlockQr>,
-    /// One for each sensor, where each has a triangle of its own.
-    by_sensor: Vec<BlockQr>,
+    /// Of the rows that candidates do not move, without their columns.
+    unmoved: Option<BlockQr>,
     rows: usize,
     inputs: InputNoise,
     /// Variance of each joint's rate in this segment.
@@ -296,18 +295,16 @@ impl<'a> SegmentComparison<'a> {
         let initial_columns = unknown.count();
         let sensors = &segment.observations.sensors;
         let cursors = SensorCursor::all(sensors, setting, x, initial_columns);
-        let apart = with_sensitivities && !setting.own_errors.is_empty();
-        let width = |own: usize| initial_columns + x.len() + own + 1;
-        let own = cursors.iter().filter(|_| apart);
-        let by_sensor = own.map(|c| BlockQr::new(width(c.own.len()))).collect();
+        let triangle = with_sensitivities && !setting.keep_rows;
+        let of = |unknowns: usize| BlockQr::new(initial_columns + unknowns + 1);
         Self {
             setting,
             segment,
             cursors,
-            by_sensor,
+            unmoved: setting.fitted.filter(|_| triangle).map(of),
             initial_columns,
             with_sensitivities,
-            qr: (with_sensitivities && !setting.keep_rows).then(|| BlockQr::new(width(0))),
+            qr: triangle.then(|| of(x.len())),
             rows: 0,
             inputs: InputNoise::default(),
             joint_rate: joint_rate_noise(setting.noise, segment),
@@ -411,9 +408,7 @@ impl<'a> SegmentComparison<'a> {
             carried.widen(rows, (i, reading), place, &mut wide);
             self.spare.give_back(std::mem::replace(rows, wide));
         }
-        if let Some(qr) = self.by_sensor.get_mut(i).or(self.qr.as_mut()) {
-            qr.push(3, |i, j| rows[j][i]);
-        }
+        self.push(rows);
         if self.setting.keep_rows {
             let log_det = self.segment.observations.sensors[i].log_det();
             // Room for what a diagnosis makes of the columns: a drift of every sensor.
@@ -426,6 +421,37 @@ impl<'a> SegmentComparison<'a> {
             self.kept.fresh = (0..3).map(|i| (row(i), log_det)).collect();
         }
         Some(white)
+    }
+
+    /// Adds three rows to the triangle.
+    fn push(&mut self, rows: &[Vector3]) {
+        let last = rows.len() - 1;
+        if let Some(fitted) = self.setting.fitted
+            && let Some(unmoved) = &mut self.unmoved
+        {
+            let first = self.initial_columns + fitted;
+            if rows[first..last].iter().all(|x| *x == Vector3::zeros()) {
+                return unmoved.push(3, |i, j| rows[if j < first { j } else { last }][i]);
+            }
+        }
+        if let Some(qr) = &mut self.qr {
+            qr.push(3, |i, j| rows[j][i]);
+        }
+    }
+
+    /// The triangle of all rows.
+    fn triangle(&mut self) -> Option<Triangle> {
+        let (last, mut qr) = (self.width() - 1, self.qr.take()?);
+        if let Some(unmoved) = self.unmoved.take() {
+            let r = unmoved.finish().r;
+            let first = r.ncols() - 1;
+            qr.push(r.nrows(), |i, j| match j {
+                j if j == last => r[(i, first)],
+                j if j < first => r[(i, j)],
+                _ => 0.0,
+            });
+        }
+        Some(qr.finish())
     }
 
     /// A weak prior of an unmeasured initial attitude, for motions that do not determine it. `turn` takes the axes of
@@ -508,7 +534,8 @@ impl<'a> SegmentComparison<'a> {
         }
     }
 
-    fn finish(self) -> Option<Evaluated> {
+    fn finish(mut self) -> Option<Evaluated> {
+        let triangle = self.triangle();
         let loss = self.setting.loss;
         let observations = &self.segment.observations;
         let (counted, left_out) = match observations.is_smoothed() {
@@ -535,8 +562,7 @@ impl<'a> SegmentComparison<'a> {
             }
         }
         chi2.is_finite().then(|| Evaluated {
-            triangle: self.qr.map(BlockQr::finish),
-            by_sensor: self.by_sensor.into_iter().map(BlockQr::finish).collect(),
+            triangle,
             chi2,
             cost,
             left_out,

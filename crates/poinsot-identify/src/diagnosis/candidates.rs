@@ -9,6 +9,7 @@ use crate::problem::Problem;
 use crate::problem::parameters::{Entry, Unknown, UnknownKind, axis_name};
 use crate::problem::segment::{InputErrors, InputRate};
 use poinsot_dynamics::SensorError;
+use poinsot_files::given_memory_limit;
 use poinsot_model::{Joint, JointKind, KnownNumber, Origin, SensorKind, Wheel};
 use poinsot_spatial::TENSOR;
 
@@ -19,6 +20,9 @@ const CHANGE_STEP: f64 = 1.0e-3;
 
 /// Largest number of values in the rows: 64 MiB.
 const NUMBERS: usize = 8_000_000;
+/// How many times as much memory as is allowed the values in the rows fill at least: rows of another draw of the noise, triangles
+/// and the fit are beside them.
+const BESIDE: f64 = 4.0;
 
 /// Cosine above which two axes are one.
 const ALONG: f64 = 0.99;
@@ -79,6 +83,17 @@ impl Candidate {
         })
     }
 
+    /// Whether it is scored with others at once: lags of sensors, the force and the torque of a drift.
+    pub fn is_scored_with_others(&self) -> bool {
+        use UnknownKind::{InertialForce, InertialTorque, Sensor};
+        let error = SensorError::Lag;
+        self.unknowns.iter().any(|u| match u.kind {
+            InertialForce(_) | InertialTorque(_) => true,
+            Sensor { error: own, .. } => own == error,
+            _ => false,
+        })
+    }
+
     /// Whether it is a lag of an input.
     pub fn delays_inputs(&self) -> bool {
         self.unknowns.iter().any(|u| u.kind.delays_drives())
@@ -130,9 +145,12 @@ pub(super) fn candidates(experiment: &Experiment, fitted: &Fitted) -> (Vec<Candi
     (list, held)
 }
 
-/// Whether the rows can be held with so many columns of candidates.
+/// Whether the rows, and a triangle, can be held with so many columns of candidates.
 fn holds(experiment: &Experiment, fitted: &Fitted, columns: usize) -> bool {
-    fitted.rows() * (experiment.parameters.len() + columns) < NUMBERS
+    let width = experiment.parameters.len() + columns;
+    let numbers = fitted.rows().max(width) * width;
+    let bytes = BESIDE * (numbers * size_of::<f64>()) as f64;
+    numbers < NUMBERS && given_memory_limit().is_none_or(|limit| bytes < limit)
 }
 
 /// Those that are unknowns of the registry.

@@ -21,7 +21,6 @@ pub(crate) mod oscillation;
 mod projected;
 mod pulse;
 mod score;
-mod sensor_blocks;
 mod shared_noise;
 mod suspects;
 mod table;

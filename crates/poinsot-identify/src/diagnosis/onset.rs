@@ -10,7 +10,7 @@ use super::projected::SHOWN;
 use super::pulse::pulse;
 use super::score::{ProjectedRows, Score, explained, found, momentum_jump, of_record};
 use super::suspects::Scored;
-use super::table::{SegmentRows, Table};
+use super::table::{Group, SegmentRows, Table};
 use super::types::FaultKind;
 use crate::fit::Fitted;
 use crate::fit::experiment::Experiment;
@@ -49,7 +49,8 @@ pub(super) fn onsets(
     let own = candidates.iter().flat_map(|c| &c.unknowns);
     let unknowns: Vec<&Unknown> = experiment.parameters.unknowns.iter().chain(own).collect();
     let mut list = Vec::new();
-    let Some(basis) = Basis::new(experiment, fitted, &table.stacked) else {
+    let of = |all: &Group| Basis::new(experiment, fitted, &all.stacked);
+    let Some(basis) = table.groups.first().and_then(of) else {
         return list;
     };
     for (s, rows) in table.segments.iter().enumerate() {

@@ -5,19 +5,19 @@
 
 use super::candidates::{Candidate, Columns, Twin};
 use super::projected::Projected;
-use super::sensor_blocks::{SensorBlock, own_errors, sensor_blocks};
 use crate::fit::Fitted;
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::known_numbers::{SILENT, shifts};
 use crate::fit::triangle::conditional_estimate;
 use crate::likelihood::{Evaluated, Transition};
-use crate::problem::parameters::UnknownKind;
+use crate::problem::parameters::{Parameters, UnknownKind};
 use crate::problem::prior::PriorRow;
 use crate::problem::segment::{BetweenReadings, InputErrors, Noise, Observations};
 use nalgebra::DMatrix;
 use poinsot_dynamics::SensorError;
 use poinsot_solve::{BlockQr, Triangle};
 use poinsot_spatial::{Matrix3, Vector3};
+use rayon::prelude::*;
 
 /// The rows of one segment.
 #[derive(Default)]
@@ -180,21 +180,47 @@ impl Reach {
     }
 }
 
-/// The experiment at the answer with the columns of all candidates.
+/// The most columns of candidates in one triangle: its update takes about as long as the evaluation that fills its rows.
+const WIDTH: usize = 128;
+
+/// Some of the candidates: columns `[fitted unknowns | their numbers | residual]` of all rows.
+pub(super) struct Group {
+    /// Places of its numbers among those of all candidates.
+    numbers: Vec<usize>,
+    pub stacked: Triangle,
+}
+
+impl Group {
+    /// Of rows that are not held, and the segments with its columns.
+    fn new(
+        experiment: &Experiment,
+        fitted: &Fitted,
+        own: &[Twin],
+        numbers: Vec<usize>,
+    ) -> Option<(Self, Vec<Evaluated>)> {
+        let own: Vec<Twin> = numbers.iter().map(|k| own[*k].clone()).collect();
+        let (extended, at) = extended(experiment, fitted, &own);
+        let mut wide = experiment.with_parameters(&extended);
+        wide.fitted = Some(experiment.parameters.len());
+        let evaluated = wide.evaluate(&at, true)?;
+        let stacked = wide.stack(&at, &evaluated, true);
+        Some((Self { numbers, stacked }, evaluated))
+    }
+}
+
+/// The experiment at the answer with the columns of all candidates, group by group: memory is linear in their number.
 pub(super) struct Table {
-    /// Places, among the numbers of all candidates, of those that `stacked` has columns of.
-    shared: Vec<usize>,
     /// How many numbers all candidates have.
     numbers: usize,
-    /// The others, sensor by sensor.
-    blocks: Vec<SensorBlock>,
+    /// One where the rows are held.
+    pub groups: Vec<Group>,
+    /// Of the first group.
     evaluated: Vec<Evaluated>,
     initial_states: Vec<usize>,
     /// Columns of the fit.
     pub base: usize,
     /// Empty where the record is too long.
     pub segments: Vec<SegmentRows>,
-    pub stacked: Triangle,
 }
 
 impl Table {
@@ -205,89 +231,99 @@ impl Table {
         candidates: &[Candidate],
         held: bool,
     ) -> Option<Self> {
-        let base = experiment.parameters.len();
-        let apart = match held {
-            true => Vec::new(),
-            false => own_errors(experiment, candidates),
-        };
-        let is_apart = |place: &usize| apart.iter().any(|own| own.place == *place);
-        let numbers: usize = candidates.iter().map(|c| c.unknowns.len()).sum();
-        let shared: Vec<usize> = (0..numbers).filter(|k| !is_apart(k)).collect();
-        let own = candidates.iter().flat_map(own_columns).enumerate();
-        let own = own.filter(|(place, _)| !is_apart(place));
-        let own: Vec<Twin> = own.map(|(_, twin)| twin).collect();
-        let mut extended = experiment.parameters.clone();
-        let unknowns = own.iter().map(|t| t.unknown.clone());
-        extended.unknowns.extend(unknowns);
-        let mut wide = experiment.with_parameters(&extended);
-        wide.keep_rows = held;
-        wide.own_errors = apart.iter().map(|o| (o.sensor, o.error)).collect();
-        let mut x = fitted.at.x.clone();
-        x.extend(own.iter().map(|t| t.unknown.nominal));
-        let at = Iterate {
-            x,
-            initial_states: fitted.at.initial_states.clone(),
-        };
-        let mut evaluated = wide.evaluate(&at, true)?;
-        let blocks = match apart.is_empty() {
-            true => Vec::new(),
-            false => sensor_blocks(
-                (experiment, &fitted.at),
-                &mut evaluated,
-                (shared.len(), &apart),
-            ),
-        };
+        Self::grouped(experiment, fitted, candidates, (!held).then_some(WIDTH))
+    }
+
+    /// In groups of at most so many columns; `None` holds the rows, in one group.
+    fn grouped(
+        experiment: &Experiment,
+        fitted: &Fitted,
+        candidates: &[Candidate],
+        most: Option<usize>,
+    ) -> Option<Self> {
         let mut table = Self {
-            base,
-            initial_states: experiment.unknown.iter().map(|u| u.count()).collect(),
-            segments: Vec::new(),
-            shared,
-            numbers,
-            blocks,
-            stacked: match held {
-                true => BlockQr::new(1).finish(),
-                false => wide.stack(&at, &evaluated, true),
-            },
+            numbers: candidates.iter().map(|c| c.unknowns.len()).sum(),
+            groups: Vec::new(),
             evaluated: Vec::new(),
+            initial_states: experiment.unknown.iter().map(|u| u.count()).collect(),
+            base: experiment.parameters.len(),
+            segments: Vec::new(),
         };
-        if held {
-            table.hold(experiment, &mut evaluated);
-            table.silence(&own);
-            let kinds: Vec<UnknownKind> =
-                extended.unknowns.iter().map(|u| u.kind.clone()).collect();
-            table.derive(experiment, candidates, &kinds);
-            let late = (base..kinds.len()).filter(|k| kinds[*k].is_delay());
-            let late: Vec<usize> = late.collect();
-            let segments = experiment.problem.segments.iter();
-            for (own, segment) in table.segments.iter_mut().zip(segments) {
-                if let Some(reach) = Reach::of(experiment.problem.noise, &segment.observations) {
-                    own.take_slopes_from_others(&late, &reach);
-                }
-            }
-            let (stacked, start_rows) = table.stack(experiment, &fitted.at, None);
-            table.stacked = stacked;
-            for (own, rows) in table.segments.iter_mut().zip(start_rows) {
-                own.start_rows = rows;
+        let own: Vec<Twin> = candidates.iter().flat_map(own_columns).collect();
+        match most {
+            None => table.add_rows(experiment, fitted, candidates, &own)?,
+            Some(most) => {
+                let mut all = groups(candidates, most).into_iter();
+                let of = |numbers| Group::new(experiment, fitted, &own, numbers);
+                let (first, evaluated) = of(all.next()?)?;
+                // More segments keep the cores busy.
+                let least = match experiment.problem.segments {
+                    [_] => 1,
+                    _ => usize::MAX,
+                };
+                let others: Vec<Vec<usize>> = all.collect();
+                let others = others.into_par_iter().with_min_len(least);
+                let others = others.map(|own| Some(of(own)?.0));
+                let all = rayon::iter::once(Some(first)).chain(others);
+                table.groups = all.collect::<Option<_>>()?;
+                table.evaluated = evaluated;
             }
         }
-        table.evaluated = evaluated;
         Some(table)
     }
 
-    /// How the mass properties move with each of these numbers of the candidates; zero for one without a column.
+    /// One group of all candidates, of rows that are held.
+    fn add_rows(
+        &mut self,
+        experiment: &Experiment,
+        fitted: &Fitted,
+        candidates: &[Candidate],
+        own: &[Twin],
+    ) -> Option<()> {
+        let (extended, at) = extended(experiment, fitted, own);
+        let mut wide = experiment.with_parameters(&extended);
+        wide.keep_rows = true;
+        let mut evaluated = wide.evaluate(&at, true)?;
+        self.hold(experiment, &mut evaluated);
+        self.silence(own);
+        let kinds: Vec<UnknownKind> = extended.unknowns.iter().map(|u| u.kind.clone()).collect();
+        self.derive(experiment, candidates, &kinds);
+        let late = (self.base..kinds.len()).filter(|k| kinds[*k].is_delay());
+        let late: Vec<usize> = late.collect();
+        let segments = experiment.problem.segments.iter();
+        for (own, segment) in self.segments.iter_mut().zip(segments) {
+            if let Some(reach) = Reach::of(experiment.problem.noise, &segment.observations) {
+                own.take_slopes_from_others(&late, &reach);
+            }
+        }
+        let (stacked, start_rows) = self.stack(experiment, &fitted.at, None);
+        for (own, rows) in self.segments.iter_mut().zip(start_rows) {
+            own.start_rows = rows;
+        }
+        let numbers = (0..self.numbers).collect();
+        self.groups.push(Group { numbers, stacked });
+        Some(())
+    }
+
+    /// How the mass properties move with each of these numbers of the candidates.
     pub fn shifts(
         &self,
         experiment: &Experiment,
         fitted: &Fitted,
         numbers: &[usize],
     ) -> Option<Vec<Vec<f64>>> {
-        let column = |number: &usize| {
-            let place = self.shared.iter().position(|own| own == number)?;
-            Some(self.base + place)
-        };
-        let places: Option<Vec<usize>> = numbers.iter().map(column).collect();
-        let found = shifts(experiment, fitted, &self.stacked, &places?).ok()?;
-        Some(found.1)
+        let mut all = vec![Vec::new(); numbers.len()];
+        for group in &self.groups {
+            let column = |number: &usize| group.numbers.iter().position(|own| own == number);
+            let asked = numbers.iter().map(column).enumerate();
+            let asked = asked.filter_map(|(k, column)| Some((k, self.base + column?)));
+            let (asked, places): (Vec<usize>, Vec<usize>) = asked.unzip();
+            let (_, found) = shifts(experiment, fitted, &group.stacked, &places).ok()?;
+            for (k, shift) in asked.into_iter().zip(found) {
+                all[k] = shift;
+            }
+        }
+        Some(all)
     }
 
     /// Moves the kept rows.
@@ -437,7 +473,7 @@ impl Table {
         priors: Vec<PriorRow>,
         only: Option<usize>,
     ) -> (Triangle, Vec<DMatrix<f64>>) {
-        let (base, all) = (self.base, self.shared.len());
+        let (base, all) = (self.base, self.numbers);
         let mut stacked = BlockQr::new(base + all + 1);
         let mut starts = Vec::with_capacity(self.segments.len());
         for (s, own) in self.segments.iter().enumerate() {
@@ -477,34 +513,38 @@ impl Table {
         }
         let mut priors = experiment.prior_rows(&fitted.at, true);
         priors.iter_mut().for_each(|row| row.residual = 0.0);
-        self.stacked = self.stack_with(priors, None).0;
+        self.groups[0].stacked = self.stack_with(priors, None).0;
         self.projected(experiment, fitted, None)
     }
 
-    /// Candidates clear of the fit; with a segment given they act in that segment alone, and errors of single sensors are left out
-    /// where they have blocks of their own.
+    /// Candidates clear of the fit; with a segment given those of the first group, and they act in that segment alone.
     pub fn projected(
         &self,
         experiment: &Experiment,
         fitted: &Fitted,
         segment: Option<usize>,
     ) -> Projected {
-        let of = |stacked: &Triangle| {
-            let mut clear = Projected::new(self.numbers);
-            clear.add(experiment.parameters, fitted, &self.shared, stacked);
-            clear
+        let mut all = Projected::new(self.numbers);
+        let mut add = |group: &Group, stacked: &Triangle| {
+            all.add(experiment.parameters, fitted, &group.numbers, stacked);
         };
-        let Some(only) = segment else {
-            let mut all = of(&self.stacked);
-            for one in &self.blocks {
-                all.add(experiment.parameters, fitted, &one.numbers, &one.stacked);
+        match segment {
+            None => self.groups.iter().for_each(|own| add(own, &own.stacked)),
+            Some(only) if self.segments.is_empty() => {
+                let first = self.groups.first().into_iter();
+                first.for_each(|own| add(own, &self.only_in(only, own.numbers.len())));
             }
-            return all;
-        };
-        if !self.segments.is_empty() {
-            return of(&self.stack(experiment, &fitted.at, Some(only)).0);
+            Some(only) => add(
+                &self.groups[0],
+                &self.stack(experiment, &fitted.at, Some(only)).0,
+            ),
         }
-        let width = self.base + self.shared.len();
+        all
+    }
+
+    /// Triangle of the first group, of so many numbers, that act in one segment alone; without priors.
+    fn only_in(&self, only: usize, numbers: usize) -> Triangle {
+        let width = self.base + numbers;
         let mut stacked = BlockQr::new(width + 1);
         for (s, one) in self.evaluated.iter().enumerate() {
             if let Some(triangle) = &one.triangle {
@@ -517,8 +557,43 @@ impl Table {
                 });
             }
         }
-        of(&stacked.finish())
+        stacked.finish()
     }
+}
+
+/// Places of the numbers of the candidates, in groups of at most so many columns: one in their order, or more, of which the
+/// first has all that are scored together.
+fn groups(candidates: &[Candidate], most: usize) -> Vec<Vec<usize>> {
+    let mut first = 0;
+    let own = |c: &Candidate| {
+        first += c.unknowns.len();
+        (c.is_scored_with_others(), first - c.unknowns.len()..first)
+    };
+    let mut all: Vec<_> = candidates.iter().map(own).collect();
+    if first > most {
+        all.sort_by_key(|(together, _)| !together);
+    }
+    let mut groups: Vec<Vec<usize>> = vec![Vec::new()];
+    for (together, own) in all {
+        let fits = |last: &Vec<usize>| together || last.len() + own.len() <= most.max(own.len());
+        match groups.last_mut() {
+            Some(last) if fits(last) => last.extend(own),
+            _ => groups.push(own.collect()),
+        }
+    }
+    groups
+}
+
+/// The unknowns of the fit and these behind them, and the answer with them at their nominal values.
+fn extended(experiment: &Experiment, fitted: &Fitted, own: &[Twin]) -> (Parameters, Iterate) {
+    let mut extended = experiment.parameters.clone();
+    extended
+        .unknowns
+        .extend(own.iter().map(|t| t.unknown.clone()));
+    let mut x = fitted.at.x.clone();
+    x.extend(own.iter().map(|t| t.unknown.nominal));
+    let initial_states = fitted.at.initial_states.clone();
+    (extended, Iterate { x, initial_states })
 }
 
 /// What the evaluation itself gives columns to.
@@ -529,3 +604,6 @@ fn own_columns(candidate: &Candidate) -> Vec<Twin> {
         Columns::Ramp { .. } => Vec::new(),
     }
 }
+
+#[cfg(test)]
+mod tests;

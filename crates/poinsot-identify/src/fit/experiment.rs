@@ -27,9 +27,7 @@ use crate::problem::settings::Settings;
 use crate::problem::shifted_vehicle::ShiftedVehicle;
 use nalgebra::UnitQuaternion;
 use poinsot_dynamics::propagation::{Flexibility, Internal, LockedVehicle, PoseMomentum};
-use poinsot_dynamics::{
-    JointSlopes, SensorError, composite, composite_and_momentum, momentum, wheel_momentum,
-};
+use poinsot_dynamics::{JointSlopes, composite, composite_and_momentum, momentum, wheel_momentum};
 use poinsot_files::Faults;
 use poinsot_model::{MomentumKnowledge, Thruster};
 use poinsot_solve::{BlockQr, Spectrum, Triangle};
@@ -67,8 +65,8 @@ pub(crate) struct Experiment<'a> {
     pub smooth_inputs: bool,
     /// How many samples each sample stands for.
     pub weight: f64,
-    /// Errors of sensors by model sensor, each with a column in the rows of its own sensor alone.
-    pub own_errors: Vec<(usize, SensorError)>,
+    /// How many of the unknowns were fitted, where those behind them are only candidates.
+    pub fitted: Option<usize>,
     /// Integration steps, one grid per segment, chosen once for the nominal vehicle.
     grids: Arc<OnceLock<Vec<Grid>>>,
     /// Smooth curves through the samples of joints and wheels, one per segment; made when a lag first asks for them.
@@ -109,7 +107,7 @@ impl<'a> Experiment<'a> {
             keep_rows: false,
             smooth_inputs: false,
             weight: 1.0,
-            own_errors: Vec::new(),
+            fitted: None,
             grids: Arc::default(),
             curves: Arc::default(),
         }
@@ -209,7 +207,7 @@ impl<'a> Experiment<'a> {
             known: self.known.as_deref(),
             keep_rows: self.keep_rows,
             smooth_inputs: self.smooth_inputs,
-            own_errors: &self.own_errors,
+            fitted: self.fitted,
             // More segments keep the cores busy, and so do other problems solved at the same time.
             split: self.problem.segments.len() == 1
                 && rayon::current_thread_index().is_none()

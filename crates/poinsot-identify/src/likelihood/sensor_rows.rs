@@ -24,8 +24,6 @@ pub(super) struct SensorCursor {
     pub channel: ChannelResidual,
     /// The errors that are unknown: column, error.
     unknown: Vec<(usize, SensorError)>,
-    /// The errors whose columns stand in its own rows alone, behind those of the unknowns.
-    pub own: Vec<SensorError>,
 }
 
 impl SensorCursor {
@@ -48,8 +46,6 @@ impl SensorCursor {
                     _ => None,
                 })
                 .collect();
-            let errors = setting.own_errors.iter();
-            let own = errors.filter(|(sensor, _)| Some(*sensor) == record.sensor);
             Self {
                 errors: parameters.sensor_errors(x, record.sensor),
                 late: unknown.iter().any(|u| u.1 == SensorError::Lag),
@@ -64,7 +60,6 @@ impl SensorCursor {
                     ..ChannelResidual::default()
                 },
                 unknown,
-                own: own.map(|(_, error)| *error).collect(),
             }
         };
         records.iter().enumerate().zip(streams).map(one).collect()
@@ -164,8 +159,6 @@ fn difference(cursor: &SensorCursor, due: DueSample, slow: Range<usize>) -> Diff
         for (column, error) in &cursor.unknown {
             new.columns[*column] += errors.slope(*error, &x, &rate);
         }
-        let own = cursor.own.iter().map(|e| errors.slope(*e, &x, &rate));
-        new.columns.extend(own);
     }
     for own in new.errors[slow].chunks_exact_mut(3) {
         for (axis, slope) in own.iter_mut().enumerate() {

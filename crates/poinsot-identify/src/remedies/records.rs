@@ -272,7 +272,7 @@ impl Baseline<'_> {
             bends: false,
             keep_rows: false,
             smooth_inputs: false,
-            own_errors: &[],
+            fitted: None,
             split: false,
         };
         let evaluated = evaluate(
