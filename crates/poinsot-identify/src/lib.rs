@@ -121,7 +121,7 @@ pub use problem::parameters::{
 };
 pub use problem::segment::{
     Accelerations, BetweenReadings, Firing, InputChannel, InputErrors, InputRate, Noise,
-    Observations, RoundingError, Samples, Segment, SensorRecord, SensorSample, SensorValue,
+    Observations, RateParts, RoundingError, Samples, Segment, SensorRecord, SensorSample, SensorValue,
     Translation,
 };
 pub use problem::settings::{Coordinates, DiagnosisSettings, IntegrationSettings, Modes, Settings};

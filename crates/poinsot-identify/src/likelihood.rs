@@ -4,7 +4,6 @@ mod carried_columns;
 pub(crate) mod impulse;
 mod initial_state;
 mod parallel;
-mod rate_noise;
 pub(crate) mod rows;
 mod sensor_rows;
 
@@ -15,7 +14,7 @@ pub(crate) use initial_state::{InitialState, InitialStateColumns, MeasuredMotion
 use crate::motion::input_curves::InputCurves;
 use crate::motion::input_noise::{FilterSetting, InputNoise};
 use crate::motion::{Column, Grid, Motion, State, Steps, Vehicle, impulse_before, tilted};
-use crate::problem::alternative::Alternative;
+use crate::problem::alternative::BetweenSamples;
 use crate::problem::loss::Loss;
 use crate::problem::parameters::Parameters;
 use crate::problem::segment::{Noise, Segment};
@@ -26,7 +25,6 @@ use poinsot_dynamics::Tree;
 use poinsot_model::{RandomTorque, SensorKind, Thruster};
 use poinsot_solve::{BlockQr, Triangle};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
-use rate_noise::RateNoise;
 use sensor_rows::SensorCursor;
 use std::f64::consts::{PI, TAU};
 
@@ -46,7 +44,7 @@ pub(crate) struct Setting<'a> {
     pub noise: &'a Noise,
     pub loss: Loss,
     /// What is assumed of the inputs between their samples.
-    pub alternative: Alternative,
+    pub wheels: BetweenSamples,
     /// Random torque of the environment, where one is declared.
     pub random_torque: Option<RandomTorque>,
     /// Curves along which lags shift the inputs, one per segment; empty where no lag is unknown.
@@ -91,7 +89,7 @@ impl Setting<'_> {
         if vehicle.loses_mass() {
             vehicle.impulse_before = impulse_before(self.segments, segment, thrusters.len());
         }
-        vehicle.wheels_smooth = self.alternative.is_smooth();
+        vehicle.wheels_smooth = self.wheels.is_smooth();
         vehicle.curves = self.curves.get(index);
         vehicle.steps = self.steps(index);
         let joints = self.noise.joint_position.iter();
@@ -230,16 +228,11 @@ fn evaluate_driven(
         noise: setting.noise,
         random_torque: setting.random_torque,
         segment,
-        rest_motion: setting.alternative.rest_motion,
         forced,
         internal: vehicle.modes.len() + vehicle.passive.joints().len(),
         followed: compare.followed(),
         records: setting.smooth_inputs,
     });
-    if compare.inputs.tracks_rates() {
-        compare.joint_rate.fill(0.0);
-    }
-    compare.joint_rates = RateNoise::new(&compare.joint_rate);
     let late: Vec<bool> = compare.cursors.iter().map(|f| f.late).collect();
     compare.ideal = IdealSeries::new(&vehicle, segment, &state, &late)?;
     let samples = segment.observations.time_s.len();
@@ -267,9 +260,6 @@ struct SegmentComparison<'a> {
     unmoved: Option<BlockQr>,
     rows: usize,
     inputs: InputNoise,
-    /// Variance of each joint's rate in this segment.
-    joint_rate: Vec<f64>,
-    joint_rates: RateNoise,
     spare: SpareVectors,
     /// `ln det` of the covariance of all readings over that of the sensors alone.
     log_det: f64,
@@ -307,8 +297,6 @@ impl<'a> SegmentComparison<'a> {
             qr: triangle.then(|| of(x.len())),
             rows: 0,
             inputs: InputNoise::default(),
-            joint_rate: joint_rate_noise(setting.noise, segment),
-            joint_rates: RateNoise::default(),
             spare: SpareVectors::default(),
             log_det: 0.0,
             prior: 0.0,
@@ -352,7 +340,7 @@ impl<'a> SegmentComparison<'a> {
             return Some(());
         }
         let (instant, _) = motion.velocity(state, k)?;
-        if errs || self.joint_rate.iter().any(|v| *v > 0.0) {
+        if errs {
             self.inputs.propagate_to(motion, state, &instant, k);
         }
         if due && self.setting.keep_rows && self.with_sensitivities {
@@ -363,7 +351,6 @@ impl<'a> SegmentComparison<'a> {
                 start,
             });
         }
-        self.joint_rates.begin();
         for i in 0..self.cursors.len() {
             self.add_sensor_rows(i, motion, (state, k), &instant);
         }
@@ -575,9 +562,3 @@ impl<'a> SegmentComparison<'a> {
     }
 }
 
-/// Variance of the joint rates in a segment: a locked joint has none.
-fn joint_rate_noise(noise: &Noise, segment: &Segment) -> Vec<f64> {
-    let noisy = |k: usize| segment.observations.joint(k).errors.leaves_rate();
-    let all = noise.joint_rate.iter().enumerate();
-    all.map(|(k, v)| if noisy(k) { *v } else { 0.0 }).collect()
-}

@@ -121,12 +121,10 @@ fn disturbed(segment: &Segment, noise: &Noise, random: &mut ChaCha8Rng) -> Segme
     let dof = o.joint_position.len() / n.max(1);
     for j in 0..dof {
         let of = &o.joint(j).errors;
-        let own_rate = noise.joint_rate.get(j).filter(|_| of.leaves_rate());
-        let position = errors(of, noise.joint_position.get(j), n, random);
-        let rate = errors(&InputErrors::Independent, own_rate, n, random);
-        for (k, ([position, slope], [rate, _])) in position.into_iter().zip(rate).enumerate() {
+        let error = errors(of, noise.joint_position.get(j), n, random);
+        for (k, [position, rate]) in error.into_iter().enumerate() {
             own.joint_position[k * dof + j] += position;
-            own.joint_rate[k * dof + j] += slope + rate;
+            own.joint_rate[k * dof + j] += rate;
         }
     }
     new

@@ -1,8 +1,7 @@
 //! Alternatives of what inputs do between their samples: their fits, the choice, and what the answer owes to it.
 //!
 //! The torque of a wheel is constant between samples, or its speed is smooth, or, where these two differ, its torque is a
-//! process (`wheel_torque.rs`). A joint whose rounded sample stays may be on its brake, held by its motor, or drift by a whole
-//! step meanwhile: all three read alike. The likelihood decides. Where it can hardly tell two motions of the wheels apart, the
+//! process (`wheel_torque.rs`). The likelihood decides. Where it can hardly tell two motions of the wheels apart, the
 //! answer may be that of the wrong one: its second moment about the truth is `C + p d d^T`, with p the probability of the other
 //! one and d the way from this answer to the other one. p is `1 / (1 + exp(D / 2))` with D the difference of -2 ln L at both
 //! minima, where both were as probable before the data.
@@ -14,13 +13,11 @@ use crate::fit::step::{ITERATIONS, Linearisation, moved};
 use crate::fit::step_error::{StepError, within_steps};
 use crate::fit::wheel_torque::{RandomTorque, TorqueChanges};
 use crate::problem::Problem;
-use crate::problem::alternative::{Alternative, BetweenSamples};
+use crate::problem::alternative::BetweenSamples;
 use crate::problem::parameters::{Parameters, Unknown};
 use poinsot_solve::{LeastSquares, Linearised};
 use statrs::distribution::{ContinuousCDF, Normal};
 
-/// Shares of a rounding step, by which a joint at rest may move, that are compared.
-const REST_MOTIONS: [f64; 3] = [1.0, 0.1, 0.0];
 /// Change of the answer between two alternatives, sigmas, from which the torque is fitted as a process: a smaller one adds less
 /// than 5 % to an error.
 const MATTERS: f64 = 0.3;
@@ -131,19 +128,6 @@ impl<'a> AlternativeFit<'a> {
         self.experiment.cost_of(&self.fitted)
     }
 
-    /// The better of the fits with this and with another motion of joints at rest.
-    pub fn or_other_rest_motion(self) -> Self {
-        let at = &self.fitted.at;
-        let Some(share) = better_rest_motion(&self.experiment, at, self.cost()) else {
-            return self;
-        };
-        let experiment = self.experiment.resting(share);
-        match fit_from(&experiment, self.fitted.at.clone(), ITERATIONS) {
-            Some(fitted) if self.may_become(&fitted) => Self::new(experiment, fitted),
-            _ => self,
-        }
-    }
-
     /// The better of the fits with constant torque, which this is, and with smooth speeds. The difference of both answers shows
     /// whether the wheels are sampled often enough.
     pub fn or_smooth_wheels(mut self) -> Self {
@@ -232,7 +216,7 @@ impl<'a> AlternativeFit<'a> {
 
     /// Whether it is the one with the torque of the wheels as a process.
     pub fn is_random(&self) -> bool {
-        self.experiment.alternative.wheels == BetweenSamples::RandomTorque
+        self.experiment.wheels == BetweenSamples::RandomTorque
     }
 
     /// The same with integration steps as fine as the answer needs, and the error that is left.
@@ -244,18 +228,6 @@ impl<'a> AlternativeFit<'a> {
 
     /// What is assumed of the inputs of a problem, and what the choice adds to the sigmas.
     pub fn assumptions(&self, problem: &Problem) -> Vec<String> {
-        let Alternative {
-            wheels,
-            rest_motion,
-        } = self.experiment.alternative;
-        let rest = may_rest(problem).then(|| {
-            let how = match rest_motion {
-                0.0 => "stand still".to_owned(),
-                1.0 => "move by up to one step".to_owned(),
-                share => format!("move by up to {share} of a step"),
-            };
-            format!("joints {how} while their rounded samples stay equal")
-        });
         let between = problem.assumes_wheel_motion().then(|| {
             let noted = self.other.as_ref().filter(|o| o.added > NOTED_SHARE);
             let choice = noted.map_or(String::new(), |o| {
@@ -265,34 +237,10 @@ impl<'a> AlternativeFit<'a> {
                     o.shift
                 )
             });
-            format!("{}{choice}", wheels.words())
+            format!("{}{choice}", self.experiment.wheels.words())
         });
-        rest.into_iter().chain(between).collect()
+        between.into_iter().collect()
     }
-}
-
-/// The motion of joints at rest that the likelihood prefers where a fit ended; `None` where that is the one it had.
-pub(crate) fn better_rest_motion(experiment: &Experiment, at: &Iterate, cost: f64) -> Option<f64> {
-    if !may_rest(experiment.problem) {
-        return None;
-    }
-    let own = experiment.alternative.rest_motion;
-    let others = REST_MOTIONS.into_iter().filter(|share| *share != own);
-    let mut best = (cost, own);
-    for share in others {
-        let other = experiment.resting(share);
-        if let Some(cost) = other.cost(at).filter(|cost| *cost < best.0) {
-            best = (cost, share);
-        }
-    }
-    (best.1 != own).then_some(best.1)
-}
-
-/// Whether a joint may be at rest in some run of equal readings.
-fn may_rest(problem: &Problem) -> bool {
-    let segments = problem.segments.iter();
-    let mut joints = segments.flat_map(|s| &s.observations.joints);
-    joints.any(|joint| joint.errors.may_rest())
 }
 
 /// Whether rounding errors of wheels last over several samples: then their correlation is known roughly alone.
@@ -326,7 +274,7 @@ pub(crate) fn random_torque(
 
 /// The experiment with wheels that run straight from change to change of their torque.
 fn driven_at_random<'b>(experiment: &Experiment<'b>, problem: &'b Problem<'b>) -> Experiment<'b> {
-    let alternative = experiment.alternative.with(BetweenSamples::RandomTorque);
+    let alternative = BetweenSamples::RandomTorque;
     experiment.with_problem(problem).under(alternative)
 }
 
@@ -344,7 +292,7 @@ fn step(experiment: &Experiment, at: &Iterate, there: &Linearisation) -> Vec<f64
 
 /// The experiment with smooth wheel speeds; `None` where no wheel motion is assumed.
 pub(crate) fn with_smooth_wheels<'a>(experiment: &Experiment<'a>) -> Option<Experiment<'a>> {
-    let smooth = experiment.alternative.with(BetweenSamples::Smooth);
+    let smooth = BetweenSamples::Smooth;
     (experiment.problem.assumes_wheel_motion()).then(|| experiment.under(smooth))
 }
 
@@ -363,7 +311,7 @@ fn sparse_wheel_shift(experiment: &Experiment, fitted: &Fitted) -> f64 {
     }
     let problem = experiment.problem.with_segments(&segments);
     let other = experiment.with_problem(&problem);
-    let smooth = other.alternative.with(BetweenSamples::Smooth);
+    let smooth = BetweenSamples::Smooth;
     let here = other.under(smooth).linearise(&fitted.at);
     here.map_or(0.0, |here| here.rows.mass_shift())
 }

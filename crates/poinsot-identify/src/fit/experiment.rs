@@ -18,7 +18,7 @@ use crate::likelihood::{
 use crate::motion::input_curves::InputCurves;
 use crate::motion::{Fineness, Grid, Vehicle};
 use crate::problem::Problem;
-use crate::problem::alternative::Alternative;
+use crate::problem::alternative::BetweenSamples;
 use crate::problem::parameters::Parameters;
 use crate::problem::prior;
 use crate::problem::refusal::not_finite;
@@ -49,7 +49,7 @@ pub(crate) struct Experiment<'a> {
     pub measured_motion: MeasuredMotion,
     pub settings: Settings,
     /// What is assumed of the inputs between their samples.
-    pub alternative: Alternative,
+    pub wheels: BetweenSamples,
     /// How finely the motion is propagated.
     pub fineness: Fineness,
     /// Columns of the known numbers, where they are unknowns.
@@ -99,7 +99,7 @@ impl<'a> Experiment<'a> {
                 .collect(),
             measured_motion,
             settings: Settings::default(),
-            alternative: Alternative::default(),
+            wheels: BetweenSamples::default(),
             fineness: Fineness::default(),
             known: None,
             only_near: false,
@@ -131,20 +131,12 @@ impl<'a> Experiment<'a> {
         }
     }
 
-    /// The same experiment under another alternative.
-    pub fn under(&self, alternative: Alternative) -> Self {
+    /// The same experiment with another motion of the wheels.
+    pub fn under(&self, wheels: BetweenSamples) -> Self {
         Self {
-            alternative,
+            wheels,
             ..self.clone()
         }
-    }
-
-    /// The same experiment with joints at rest that move by this share of a rounding step.
-    pub fn resting(&self, rest_motion: f64) -> Self {
-        self.under(Alternative {
-            rest_motion,
-            ..self.alternative
-        })
     }
 
     /// The same experiment with more unknowns.
@@ -198,7 +190,7 @@ impl<'a> Experiment<'a> {
             nominal_spin: &self.nominal_spin,
             noise: self.problem.noise,
             loss: self.settings.loss,
-            alternative: self.alternative,
+            wheels: self.wheels,
             random_torque: self.problem.model.environment.random_torque,
             curves: self.curves(),
             grids: self.grids(),
@@ -242,7 +234,7 @@ impl<'a> Experiment<'a> {
 
     /// Whether they can: where they run smoothly they are curves already.
     pub fn may_bend(&self) -> bool {
-        !self.problem.model.wheels.is_empty() && !self.alternative.is_smooth()
+        !self.problem.model.wheels.is_empty() && !self.wheels.is_smooth()
     }
 
     /// Curves along which lags shift the inputs, one per segment; none where no lag is unknown.

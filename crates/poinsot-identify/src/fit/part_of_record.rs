@@ -106,6 +106,7 @@ fn at_kept_times(inputs: &[InputChannel], kept: &[usize]) -> Vec<InputChannel> {
     let at_kept = |i: &InputChannel| InputChannel {
         errors: errors(&i.errors, kept),
         rate: i.rate,
+        of_rates: picked(&i.of_rates, kept),
     };
     inputs.iter().map(at_kept).collect()
 }

@@ -12,6 +12,7 @@
 //! the covariance `q [h^3 / 3, h^2 / 2; h^2 / 2, h]`: that of a change of slope in the middle and one of the value alone.
 
 use crate::problem::error_process::{ErrorProcess, ErrorStep};
+use crate::problem::segment::RateParts;
 use nalgebra::{Matrix2, Matrix3, Vector3};
 
 /// Components of the state.
@@ -46,6 +47,8 @@ pub struct InputSample {
     pub rounding: f64,
     /// Correlation of the rounding error with that of the sample before.
     pub memory: f64,
+    /// Whether it is a sample of the slope, per second, with white noise alone.
+    pub of_slope: bool,
 }
 
 impl InputSample {
@@ -57,6 +60,15 @@ impl InputSample {
             white: variance,
             rounding: 0.0,
             memory: 0.0,
+            of_slope: false,
+        }
+    }
+
+    /// A sample of the slope.
+    pub fn slope(at: usize, value: f64, variance: f64) -> Self {
+        Self {
+            of_slope: true,
+            ..Self::white(at, value, variance)
         }
     }
 
@@ -67,6 +79,14 @@ impl InputSample {
             rounding: self.white,
             memory,
             ..self
+        }
+    }
+
+    /// The row that it reads of the state, and what it reads beyond the level.
+    fn of_state(&self, level: f64) -> (Vector3<f64>, f64) {
+        match self.of_slope {
+            true => (Vector3::new(0.0, 1.0, 0.0), self.value),
+            false => (Vector3::new(1.0, 0.0, 1.0), self.value - level),
         }
     }
 
@@ -114,9 +134,9 @@ struct Information {
 
 impl Information {
     fn take(&mut self, sample: &InputSample, level: f64) {
-        let h = Vector3::new(1.0, 0.0, 1.0);
+        let (h, value) = sample.of_state(level);
         self.L += h * h.transpose() / sample.white;
-        self.eta += h * ((sample.value - level) / sample.white);
+        self.eta += h * (value / sample.white);
     }
 
     /// Goes back over a normal change of one component with this variance: what the later samples make of it.
@@ -257,19 +277,19 @@ struct Start {
 impl InputSamples<'_> {
     /// Standard deviation of the best sample.
     fn noise(&self) -> Option<f64> {
-        let all = self.samples.iter().map(|s| s.total().sqrt());
-        all.reduce(f64::min)
+        let values = self.samples.iter().filter(|s| !s.of_slope);
+        values.map(|s| s.total().sqrt()).reduce(f64::min)
     }
 
     /// The start with the standard deviation of a plain change at each grid time; `None` without samples.
     fn start(&self, sizes: &[f64]) -> Option<Start> {
-        let level = self.samples.first()?.value;
+        let level = self.samples.iter().find(|s| !s.of_slope)?.value;
         let (held, intervals) = self.backward(sizes, level);
         let span = self.time_s.last()? - self.time_s.first()?;
         let largest = sizes.iter().fold(0.0, |a: f64, b| a.max(*b));
         let wide = DIFFUSE * (self.noise()? + largest * span);
-        let rounding = self.samples.first().filter(|s| s.at == 0);
-        let rounding = rounding.map_or(0.0, |s| s.rounding);
+        let first = self.samples.iter().take_while(|s| s.at == 0);
+        let rounding = first.map(|s| s.rounding).sum();
         let prior = Vector3::new(wide.powi(2), (wide / span).powi(2), rounding);
         let P = Matrix3::from_diagonal(&prior);
         let unit = Matrix3::identity() + P * held.L;
@@ -298,12 +318,15 @@ impl InputSamples<'_> {
         let mut held = Information::default();
         let mut intervals = Vec::with_capacity(n - 1);
         for k in (1..n).rev() {
-            let rounding = samples.next_if(|s| s.at == k).map(|sample| {
+            let mut rounding = None;
+            while let Some(sample) = samples.next_if(|s| s.at == k) {
                 held.take(sample, level);
-                let change = held.before_change(ROUNDING, sample.fresh());
-                held.before_fading(sample.memory);
-                (sample.memory, change)
-            });
+                if !sample.of_slope {
+                    let change = held.before_change(ROUNDING, sample.fresh());
+                    held.before_fading(sample.memory);
+                    rounding = Some((sample.memory, change));
+                }
+            }
             let h = self.time_s[k] - self.time_s[k - 1];
             let size = sizes[k] * self.changes[k];
             let bend = self
@@ -321,9 +344,7 @@ impl InputSamples<'_> {
                 rounding,
             });
         }
-        if let Some(sample) = samples.next_if(|s| s.at == 0) {
-            held.take(sample, level);
-        }
+        samples.for_each(|sample| held.take(sample, level));
         intervals.reverse();
         (held, intervals)
     }
@@ -355,9 +376,10 @@ impl InputSamples<'_> {
                 let h = self.time_s[k] - self.time_s[k - 1];
                 sum += over(changes[0], square) + over(changes[1], square * h * h / 12.0);
             }
-            if let Some(sample) = samples.next_if(|s| s.at == k) {
+            while let Some(sample) = samples.next_if(|s| s.at == k) {
+                let (h, value) = sample.of_state(level);
                 sum += over(rounding, sample.fresh());
-                sum += over(sample.value - level - x[VALUE] - x[ROUNDING], sample.white);
+                sum += over(value - h.dot(&x), sample.white);
             }
         }
         sum
@@ -373,11 +395,15 @@ impl InputSamples<'_> {
         let count = self.changes.iter().filter(|c| **c > 0.0).count().max(1);
         let span = self.time_s.last()? - self.time_s.first()?;
         let unit = self.noise()? * count as f64 / span;
+        let slopes = self.samples.iter().filter(|s| s.of_slope);
+        let slopes = slopes.map(|s| s.white.sqrt()).reduce(f64::min);
+        let other = slopes.unwrap_or(unit);
+        let range = [RANGE[0] * unit.min(other), RANGE[1] * unit.max(other)];
         let cost = |log: f64| {
-            let found = self.start(&vec![unit * log.exp(); self.time_s.len()]);
+            let found = self.start(&vec![log.exp(); self.time_s.len()]);
             found.map_or(f64::INFINITY, |start| start.deviance)
         };
-        Some(unit * least(cost, RANGE.map(f64::ln), ACCURACY).exp())
+        Some(least(cost, range.map(f64::ln), ACCURACY).exp())
     }
 
     /// The posterior with changes of Student's t-distribution, from that of normal ones: each change has a size of its own,
@@ -455,8 +481,8 @@ pub(crate) fn rounded(samples: &[InputSample]) -> Option<Vec<InputSample>> {
     all.iter().any(|s| s.memory > 0.0).then_some(all)
 }
 
-/// The motion of a joint of which positions alone are read: its acceleration is taken as white noise, of a size that the samples
-/// tell (a smoothing spline: Wahba 1978).
+/// The motion of a joint between noisy samples of its position and, where they are measured, of its rate: its acceleration is taken
+/// as white noise, of a size that the samples determine (a smoothing spline: Wahba 1978).
 #[derive(Debug, Clone)]
 pub struct JointMotion {
     /// Mean position at every grid time, rad or m.
@@ -465,11 +491,13 @@ pub struct JointMotion {
     pub rate: Vec<f64>,
     /// What they err by.
     pub errors: ErrorProcess,
+    /// The part of both that measured rates make; empty without these.
+    pub of_rates: Vec<RateParts>,
 }
 
 impl JointMotion {
-    /// At the times of a grid, s, from samples at some of them, in order; `None` without samples, or at one time alone. `rounds`: whether equal ones
-    /// in a row have one rounding error in common.
+    /// At the times of a grid, s, from samples of positions and rates at some of them, in order; `None` without positions, or at one time
+    /// alone. `rounds`: whether equal positions in a row have one rounding error in common.
     ///
     /// ```
     /// use poinsot_identify::{InputSample, JointMotion};
@@ -478,11 +506,15 @@ impl JointMotion {
     /// let time_s: Vec<f64> = (0..50).map(f64::from).collect();
     /// let read = |k: usize| 0.1 * k as f64 + 1.0e-3 * (7.0 * k as f64).sin();
     /// let samples: Vec<_> = (0..50).map(|k| InputSample::white(k, read(k), 1.0e-6)).collect();
-    /// let motion = JointMotion::new(&time_s, &samples, false).unwrap();
+    /// let motion = JointMotion::new(&time_s, (&samples, &[]), false).unwrap();
     /// assert!((motion.rate[25] - 0.1).abs() < 2.0e-4);
     /// assert!(motion.errors.initial[(1, 1)].sqrt() < 1.0e-3);
     /// ```
-    pub fn new(time_s: &[f64], samples: &[InputSample], rounds: bool) -> Option<Self> {
+    pub fn new(
+        time_s: &[f64],
+        (positions, rates): (&[InputSample], &[InputSample]),
+        rounds: bool,
+    ) -> Option<Self> {
         let span = time_s.last()? - time_s.first()?;
         if span <= 0.0 {
             return None;
@@ -490,24 +522,54 @@ impl JointMotion {
         let typical = span / (time_s.len() - 1).max(1) as f64;
         let intervals = time_s.windows(2).map(|w| ((w[1] - w[0]) / typical).sqrt());
         let changes: Vec<f64> = std::iter::once(0.0).chain(intervals).collect();
-        let of = |samples| InputSamples {
+        let measured = in_order(positions, rates);
+        let of = InputSamples {
             time_s,
             changes: &changes,
             all_along: true,
-            samples,
+            samples: &measured,
         };
-        let (found, sizes) = of(samples).most_probable()?;
-        let lasting = rounds.then(|| rounded(samples)).flatten();
-        let errors = match lasting {
-            Some(rounded) => of(&rounded).posterior(&sizes)?.errors,
+        let (found, sizes) = of.most_probable()?;
+        let posterior = |samples: &[InputSample]| InputSamples { samples, ..of }.posterior(&sizes);
+        let errors = match rounds.then(|| rounded(positions)).flatten() {
+            Some(rounded) => posterior(&in_order(&rounded, rates))?.errors,
             None => found.errors,
         };
+        // The mean is linear in the samples.
+        let nothing = with_values(positions, |_| 0.0);
+        let part = |value: fn(&InputSample) -> f64| {
+            posterior(&in_order(&nothing, &with_values(rates, value)))
+        };
+        let mut of_rates = Vec::new();
+        if !rates.is_empty() {
+            let [rates, ones] = [part(|s| s.value)?, part(|_| 1.0)?];
+            of_rates.extend((0..time_s.len()).map(|k| RateParts {
+                rates: [rates.value[k], rates.slope[k]],
+                ones: [ones.value[k], ones.slope[k]],
+            }));
+        }
         Some(Self {
             position: found.value,
             rate: found.slope,
             errors,
+            of_rates,
         })
     }
+}
+
+/// Samples of value and slope in order of time.
+fn in_order(values: &[InputSample], slopes: &[InputSample]) -> Vec<InputSample> {
+    let mut all = [values, slopes].concat();
+    all.sort_by_key(|sample| sample.at);
+    all
+}
+
+fn with_values(samples: &[InputSample], value: impl Fn(&InputSample) -> f64) -> Vec<InputSample> {
+    let with = |s: &InputSample| InputSample {
+        value: value(s),
+        ..*s
+    };
+    samples.iter().map(with).collect()
 }
 
 /// Where a function of one number with one minimum is least, by golden section (Kiefer 1953).
@@ -634,7 +696,7 @@ mod tests {
                     InputSample::white(k, x, sigma * sigma + step * step / 12.0)
                 };
                 let samples: Vec<InputSample> = time_s.iter().enumerate().map(&mut read).collect();
-                let found = JointMotion::new(&time_s, &samples, step > 0.0).unwrap();
+                let found = JointMotion::new(&time_s, (&samples, &[]), step > 0.0).unwrap();
                 let mut P = found.errors.initial;
                 for (k, s) in found.errors.steps.iter().enumerate() {
                     let off = [

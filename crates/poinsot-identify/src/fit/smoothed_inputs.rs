@@ -20,9 +20,8 @@ use crate::fit::{Fitted, fit_on};
 use crate::likelihood::{Evaluated, InitialState, start};
 use crate::motion::{Motion, tilted};
 use crate::problem::segment::{InputErrors, Segment};
-use poinsot_dynamics::JointSlopes;
 use poinsot_solve::{LeastSquares, Spectrum};
-use poinsot_spatial::{Vector3, Vector6};
+use poinsot_spatial::Vector6;
 
 /// Bias, and distance that is left, that do not matter in any number, sigmas.
 const SMALL: f64 = 0.05;
@@ -154,7 +153,6 @@ fn bias(
 fn effect(experiment: &Experiment, x: &[f64], starts: &[InitialState]) -> Option<f64> {
     let (setting, mut sum) = (experiment.setting(), 0.0);
     let tree = tilted(setting.tree, experiment.parameters, x);
-    let mut slopes = JointSlopes::default();
     let square = |v: Vector6, length: f64| {
         v.fixed_rows::<3>(3).norm_squared() + v.fixed_rows::<3>(0).norm_squared() / length.powi(2)
     };
@@ -170,16 +168,6 @@ fn effect(experiment: &Experiment, x: &[f64], starts: &[InitialState]) -> Option
                 if !matches!(o.wheel(w).errors, InputErrors::Process(_)) {
                     sum += variance * square(motion.wheel_gain(&instant, w), length);
                 }
-            }
-            motion.joint_slopes(&instant, &mut slopes);
-            let step = motion.step_s(k.max(1)).max(f64::MIN_POSITIVE);
-            let free = |j: &(usize, _)| !matches!(o.joint(j.0).errors, InputErrors::Process(_));
-            for (j, slope) in slopes.of.iter().enumerate().filter(free) {
-                let variance = |all: &[f64]| all.get(j).copied().unwrap_or(0.0);
-                let noise = variance(&setting.noise.joint_rate)
-                    + variance(&setting.noise.joint_position) / (step * step);
-                let gain = instant.twist_slope(&slope.rate, &Vector3::zeros());
-                sum += noise * square(gain, length);
             }
         }
     }

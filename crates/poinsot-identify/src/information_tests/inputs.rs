@@ -58,8 +58,6 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
         errors,
         ..InputChannel::default()
     };
-    let process = joints.each_ref().map(|e| !e.leaves_rate());
-    let process = [0, 1].map(|j| process[j] && joints[j] != InputErrors::Locked);
     let mut noise = noise(&tree);
     noise.joint_position = vec![4.0e-4, 1.0e-4];
     noise.wheel_speed = vec![40.0];
@@ -74,7 +72,6 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
         record.scale_noise(if points(record) { 1.0e-1 } else { 1.0e-3 });
     }
     if case.points {
-        noise.joint_rate = vec![2.0e-4, 1.0e-4];
         noise.joint_position = vec![4.0e-5, 1.0e-5];
         noise.wheel_speed = vec![4.0];
         // Beside so small errors of the inputs a relative pose adds residuals that hardly depend on them.
@@ -95,7 +92,6 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
     let nothing = |v: &Vec<f64>| v.iter().map(|x| 1.0e-20 * x).collect::<Vec<f64>>();
     let silent = Noise {
         joint_position: nothing(&noise.joint_position),
-        joint_rate: nothing(&noise.joint_rate),
         wheel_speed: vec![0.0],
         ..noise.clone()
     };
@@ -154,7 +150,7 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
             pace: None,
         };
         let mut experiment = Experiment::new(&problem, &parameters);
-        experiment.alternative.wheels = match case.smooth {
+        experiment.wheels = match case.smooth {
             true => BetweenSamples::Smooth,
             false => BetweenSamples::Held,
         };
@@ -214,16 +210,9 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
     let samples = made.observations.time_s.len();
     let mut C = nalgebra::DMatrix::identity(residual.len(), residual.len());
     add_lasting(&mut C, &made.observations);
-    let rates = if case.points { 2 } else { 0 };
     let mut inputs = Vec::new();
-    let feels = |input: &usize| *input < 3 || !process[*input - 3];
-    for input in (0..3 + rates).filter(feels) {
+    for input in 0..3 {
         let (variance, errors, step) = match input {
-            3.. => (
-                noise.joint_rate[input - 3],
-                InputErrors::Independent,
-                1.0e-4,
-            ),
             2 => (noise.wheel_speed[0], wheel.clone(), 1.0e-3),
             j => (noise.joint_position[j], joints[j].clone(), 1.0e-6),
         };
@@ -288,7 +277,8 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
         wheel,
         InputErrors::Process(_) | InputErrors::Interpolated(_)
     );
-    if free || process.contains(&true) {
+    let is_process = |e: &InputErrors| matches!(e, InputErrors::Process(_));
+    if free || joints.iter().any(is_process) {
         return Gaps {
             likelihood,
             smoothed: f64::NAN,
@@ -315,11 +305,10 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
             let change = -(0..samples).map(toward).sum::<f64>();
             let error = mean(c, k) - smoothed.expected_errors[k * width + c];
             let (now, before) = match c {
-                3.. => (&smoothed.joint_rate, &made.observations.joint_rate),
                 2 => (&smoothed.wheel_speed, &made.observations.wheel_speed),
                 _ => (&smoothed.joint_position, &made.observations.joint_position),
             };
-            let at = if c == 2 { k } else { 2 * k + c % 3 };
+            let at = if c == 2 { k } else { 2 * k + c };
             assert!((now[at] - before[at] - error).abs() < 1.0e-9);
             off = off.max((error - mean(c, k) - change).abs() / variance.sqrt());
             size = size.max(change.abs() / variance.sqrt());

@@ -73,14 +73,12 @@ struct Difference {
     columns: Vec<Vector3>,
     /// Over the errors of the inputs.
     errors: Vec<Vector3>,
-    /// Over the rates of the joints.
-    gains: Vec<Vector3>,
 }
 
 impl Difference {
     /// The same in other axes.
     fn turn(&mut self, R: &Matrix3) {
-        let lists = [&mut self.columns, &mut self.errors, &mut self.gains];
+        let lists = [&mut self.columns, &mut self.errors];
         for x in lists.into_iter().flatten().chain([&mut self.residual]) {
             *x = R * *x;
         }
@@ -117,15 +115,12 @@ impl SegmentComparison<'_> {
         let residual = new.residual;
         let mut rows = std::mem::take(&mut new.columns);
         rows.push(residual);
-        let sensor = &self.cursors[i].white;
-        let common = self
-            .joint_rates
-            .take(&new.gains, sensor, &mut rows, &mut new.errors);
-        let white = self.take(i, &new.errors, &(sensor + common), &mut rows);
+        let sensor = self.cursors[i].white;
+        let white = self.take(i, &new.errors, &sensor, &mut rows);
         if let Some(white) = white {
             self.note(i, &residual, white);
         }
-        for list in [rows, new.errors, new.gains] {
+        for list in [rows, new.errors] {
             self.spare.give_back(list);
         }
     }
@@ -147,10 +142,9 @@ fn difference(cursor: &SensorCursor, due: DueSample, slow: Range<usize>) -> Diff
         residual,
         columns: predicted.columns,
         errors: predicted.errors,
-        gains: predicted.gains,
     };
     if errors.turn != Matrix3::zeros() {
-        let lists = [&mut new.columns, &mut new.errors, &mut new.gains];
+        let lists = [&mut new.columns, &mut new.errors];
         for d in lists.into_iter().flatten() {
             *d = errors.change(d);
         }

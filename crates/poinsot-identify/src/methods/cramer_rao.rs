@@ -2,7 +2,7 @@
 
 use crate::answer;
 use crate::diagnosis::Diagnostics;
-use crate::fit::alternatives::{OtherWheelMotion, better_rest_motion, with_smooth_wheels};
+use crate::fit::alternatives::{OtherWheelMotion, with_smooth_wheels};
 use crate::fit::experiment::Experiment;
 use crate::fit::fit_on;
 use crate::fit::known_numbers::known_at;
@@ -67,10 +67,6 @@ fn bound(problem: &Problem, knowledge: Knowledge) -> Result<Estimate, ProblemErr
     let mut experiment = Experiment::new(problem, &parameters);
     let at = experiment.nominal_point();
     let mut here = experiment.linearise(&at).ok_or_else(no_motion)?;
-    if let Some(share) = better_rest_motion(&experiment, &at, here.cost) {
-        experiment = experiment.resting(share);
-        here = experiment.linearise(&at).ok_or_else(no_motion)?;
-    }
     let declared = knowledge == Knowledge::Declared;
     let smooth = declared.then(|| with_smooth_wheels(&experiment)).flatten();
     let mut other = None;

@@ -13,7 +13,7 @@ use crate::diagnosis::oscillation::{Oscillation, oscillation};
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::momentum_state::fit_near;
 use crate::fit::{Fitted, step::ITERATIONS};
-use crate::problem::alternative::Alternative;
+use crate::problem::alternative::BetweenSamples;
 use crate::problem::loss::Loss;
 use crate::problem::parameters::Parameters;
 use crate::problem::settings::{Modes, Settings};
@@ -183,24 +183,24 @@ struct Search<'a> {
     /// With the records as the rigid fit took them.
     problem: Problem<'a>,
     settings: Settings,
-    alternative: Alternative,
+    wheels: BetweenSamples,
 }
 
 impl<'a> Search<'a> {
     fn new(problem: &Problem<'a>, settings: Settings, rigid: &'a FinishedFit) -> Self {
         let taken = rigid.segments.as_deref().unwrap_or(problem.segments);
         let own = rigid.solution.likelihood.as_ref();
-        let (segments, alternative) = match rigid.plain.replaced {
-            true => (problem.segments, rigid.plain.alternative),
+        let (segments, wheels) = match rigid.plain.replaced {
+            true => (problem.segments, rigid.plain.wheels),
             false => (
                 taken,
-                own.map_or_else(Alternative::default, |own| own.alternative),
+                own.map_or_else(BetweenSamples::default, |own| own.wheels),
             ),
         };
         Self {
             problem: problem.with_segments(segments),
             settings,
-            alternative,
+            wheels,
         }
     }
 
@@ -215,7 +215,7 @@ impl<'a> Search<'a> {
         parameters: &'b Parameters,
     ) -> Experiment<'b> {
         let mut experiment = Experiment::new(problem, parameters);
-        (experiment.settings, experiment.alternative) = (self.settings, self.alternative);
+        (experiment.settings, experiment.wheels) = (self.settings, self.wheels);
         experiment
     }
 

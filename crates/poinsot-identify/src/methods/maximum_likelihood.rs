@@ -25,7 +25,7 @@ use crate::methods::linear::solve_linear;
 use crate::methods::other_minima::least;
 use crate::motion::input_curves::extrapolated_inputs;
 use crate::motion::input_noise::approximate;
-use crate::problem::alternative::Alternative;
+use crate::problem::alternative::BetweenSamples;
 use crate::problem::loss::Loss;
 use crate::problem::parameters::{Equations, Parameters, lifted_vector};
 use crate::problem::prior::{Conflict, PriorTest};
@@ -62,7 +62,7 @@ pub(crate) struct FinishedFit {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PlainFit {
     /// What it assumes.
-    pub alternative: Alternative,
+    pub wheels: BetweenSamples,
     /// Whether the answer is another one.
     pub replaced: bool,
     /// Chance of a residual like its own.
@@ -80,7 +80,7 @@ impl FinishedFit {
             segments: None,
             cost: f64::INFINITY,
             plain: PlainFit {
-                alternative: experiment.alternative,
+                wheels: experiment.wheels,
                 replaced: false,
                 chance: 0.0,
             },
@@ -125,13 +125,13 @@ pub(super) fn solve_from(
     let along = followed.as_ref().map(|s| problem.with_segments(s));
     let best = AlternativeFit::new(experiment, first)
         .about(along.as_ref().zip(end))
-        .or_other_rest_motion()
+        
         .or_smooth_wheels();
     let measured = along.is_none();
     let process = measured.then(|| best.wheel_process(explains)).flatten();
     let driven = process.as_ref().map(|process| process.problem(problem));
     let mut plain = PlainFit {
-        alternative: best.experiment.alternative,
+        wheels: best.experiment.wheels,
         replaced: false,
         chance: chance(&best.fitted.evaluated, &settings),
     };
@@ -336,7 +336,7 @@ fn wheel_warning(best: &AlternativeFit) -> Option<String> {
     if shift <= best.experiment.settings.sensitivity_sigmas {
         return None;
     }
-    let smooth = best.experiment.alternative.is_smooth();
+    let smooth = best.experiment.wheels.is_smooth();
     let (assumed, other) = match smooth {
         true => ("wheel speed smooth between samples", "constant torque"),
         false => ("wheel torque constant between samples", "smooth speed"),
@@ -409,7 +409,7 @@ pub(crate) fn conclude(
             followed: followed(experiment, fitted),
             held: fitted.held.clone(),
             diagnostics: found,
-            alternative: experiment.alternative,
+            wheels: experiment.wheels,
             other_wheel_motion: None,
         }),
     }

@@ -14,11 +14,11 @@
 mod input_errors;
 
 use super::inputs::thruster_at;
+use super::joint_scales::rate_parts;
 use super::vehicle::{Thrust, Vehicle, parabola_slope, wheel_slope};
 use super::virtual_joints::{JOINT_STEP, moved_trees};
 use super::{Instant, Motion, State};
 use crate::problem::parameters::UnknownKind;
-use crate::problem::segment::InputRate;
 use nalgebra::SMatrix;
 use poinsot_dynamics::{
     Accelerations, Kinematics, Tree, Twist, composite, momentum_rate_column, wheel_rate,
@@ -242,14 +242,11 @@ impl Motion<'_> {
         inputs.acceleration_changes.clear();
         for own in &v.joint_scales {
             let j = own.joint;
-            let zero = |_: usize| 0.0;
-            let [of_rates, of_ones] = match o.joint(j).rate {
-                InputRate::Measured => [
-                    self.joint_acceleration((j, k), zero, rate(j)),
-                    self.joint_acceleration((j, k), zero, |_| 1.0),
-                ],
-                _ => [0.0; 2],
+            let part = |i: usize| rate_parts(o, (dof, j), (i, 0.0));
+            let of = |part: &dyn Fn(usize) -> [f64; 2]| {
+                self.joint_acceleration((j, k), |i| part(i)[0], |i| part(i)[1])
             };
+            let [of_rates, of_ones] = [of(&|i| part(i).rates), of(&|i| part(i).ones)];
             let found = own.corrected([inputs.accelerations[j]], [of_rates], [of_ones]);
             [inputs.accelerations[j]] = found.value;
             let each = own.unknowns().into_iter().zip(found.slopes);

@@ -66,8 +66,7 @@ enum Input {
     Wheel(usize),
     /// The slope of a wheel's speed, whose error moves that of the speed, the input before it.
     WheelSlope,
-    /// A joint's rate: that of a process of the position, the input before it, or where an instrument at a point feels it.
-    /// Elsewhere it is white noise of the rows.
+    /// A joint's rate, in a process with the position, the input before it.
     Rate(usize),
 }
 
@@ -130,8 +129,6 @@ pub(crate) struct FilterSetting<'a> {
     pub noise: &'a Noise,
     pub random_torque: Option<RandomTorque>,
     pub segment: &'a Segment,
-    /// Share of a rounding step by which a joint at rest moves unseen.
-    pub rest_motion: f64,
     /// Whether external forces or torques act.
     pub forced: bool,
     /// Number of modes and passive joints.
@@ -162,8 +159,6 @@ pub(crate) struct InputNoise {
     /// Grid times on each side of the one in hand whose errors are held.
     reach: usize,
     time_s: Vec<f64>,
-    /// Whether rates are among the inputs.
-    tracks_rates: bool,
     slopes: JointSlopes,
     /// Boxed: it is large and moves at every step.
     before: Option<Box<DynamicsJacobian>>,
@@ -172,7 +167,7 @@ pub(crate) struct InputNoise {
     pub columns: Vec<Column>,
     pub twists: Vec<Vector6>,
     /// Change of the twist with each joint rate.
-    pub rate_gain: Vec<Vector6>,
+    rate_gain: Vec<Vector6>,
     filter: Filter,
 }
 
@@ -205,16 +200,13 @@ fn separate(input: Input, errors: InputErrors) -> Vec<(Input, Memory, Vec<f64>)>
 /// The inputs with noise, how their errors go on, and their shares.
 type NoisyInputs = (Vec<(Input, f64)>, Vec<Memory>, Vec<Vec<f64>>);
 
-fn noisy<'a>(
-    all: impl Iterator<Item = (Input, f64, Option<&'a InputErrors>)>,
-    rest_motion: f64,
-) -> NoisyInputs {
+fn noisy<'a>(all: impl Iterator<Item = (Input, f64, &'a InputErrors)>) -> NoisyInputs {
     let (mut inputs, mut memory, mut shares) = NoisyInputs::default();
     for (input, variance, errors) in all {
-        let errors = errors.map(|e| e.with_rest_motion(rest_motion));
-        let errors = errors.unwrap_or_default();
-        if variance > 0.0 && errors != InputErrors::None {
-            for (input, errors, share) in separate(input, errors) {
+        // A process has variances of its own.
+        let has_own = matches!(errors, InputErrors::Process(_));
+        if has_own || variance > 0.0 && *errors != InputErrors::None {
+            for (input, errors, share) in separate(input, errors.clone()) {
                 inputs.push((input, variance));
                 memory.push(errors);
                 shares.push(share);
@@ -231,7 +223,6 @@ impl InputNoise {
             noise,
             random_torque,
             segment,
-            rest_motion,
             forced,
             internal,
             followed,
@@ -240,18 +231,11 @@ impl InputNoise {
         let o = &segment.observations;
         let increments = increments(&o.sensors);
         let translation = o.reads_translation() || increments > 0;
-        let tracks_rates = o.reads_points() || o.is_smoothed() || records;
         let joints = noise.joint_position.iter().enumerate();
         let wheels = noise.wheel_speed.iter().enumerate();
-        let rates = noise
-            .joint_rate
-            .iter()
-            .enumerate()
-            .filter(|(k, _)| tracks_rates && o.joint(*k).errors.leaves_rate());
-        let joints = joints.map(|(k, v)| (Input::Joint(k), *v, Some(&o.joint(k).errors)));
-        let wheels = wheels.map(|(k, v)| (Input::Wheel(k), *v, Some(&o.wheel(k).errors)));
-        let rates = rates.map(|(k, v)| (Input::Rate(k), *v, None));
-        let (inputs, memory, shares) = noisy(joints.chain(wheels).chain(rates), rest_motion);
+        let joints = joints.map(|(k, v)| (Input::Joint(k), *v, &o.joint(k).errors));
+        let wheels = wheels.map(|(k, v)| (Input::Wheel(k), *v, &o.wheel(k).errors));
+        let (inputs, memory, shares) = noisy(joints.chain(wheels));
         let torque = random_torque.is_some();
         let lasting: usize = o.sensors.iter().map(|r| r.slow.len()).sum();
         let still = inputs.is_empty() && !torque;
@@ -292,7 +276,6 @@ impl InputNoise {
             lead,
             slow,
             reach,
-            tracks_rates,
             expected: o.expected_errors.clone(),
             time_s: if reach > 0 {
                 o.time_s.clone()
@@ -365,9 +348,8 @@ impl InputNoise {
                 o.expected_errors[k * width + c] -= error;
                 match *input {
                     Input::Joint(j) => o.joint_position[k * dof + j] += error,
-                    Input::Rate(j) => o.joint_rate[k * dof + j] += error,
                     Input::Wheel(w) => o.wheel_speed[k * wheels + w] += error * self.share(c, k),
-                    Input::WheelSlope => {}
+                    Input::Rate(_) | Input::WheelSlope => {}
                 }
             }
         }
@@ -386,11 +368,6 @@ impl InputNoise {
     /// Place of the random torque in the filter's state.
     fn torque_at(&self) -> Option<usize> {
         self.random_torque.map(|_| self.active.len())
-    }
-
-    /// Whether the filter knows the noise of joint rates, so that rows need not.
-    pub fn tracks_rates(&self) -> bool {
-        self.tracks_rates
     }
 
     /// Place in the filter's state of an input's error, so many grid times after the one in hand.

@@ -122,8 +122,8 @@ impl Motion<'_> {
         let (dof, now) = (self.vehicle.tree.dof(), &mut self.input_state);
         for own in &self.vehicle.joint_scales {
             let j = own.joint;
-            let [of_rates, of_ones] = rate_parts(self.observations, (dof, j), (k, at));
-            let found = own.corrected([now.q[j], now.rates[j]], of_rates, of_ones);
+            let parts = rate_parts(self.observations, (dof, j), (k, at));
+            let found = own.corrected([now.q[j], now.rates[j]], parts.rates, parts.ones);
             [now.q[j], now.rates[j]] = found.value;
             let before = now.changes.iter_mut().filter_map(|c| c.joint.as_mut());
             for (_, q, rate) in before.filter(|(joint, ..)| *joint == j) {

@@ -4,7 +4,7 @@
 //! for themselves. Each part has its own scale.
 
 use crate::problem::parameters::{Parameters, UnknownKind};
-use crate::problem::segment::{InputRate, Observations};
+use crate::problem::segment::{InputChannel, InputRate, Observations, RateParts};
 
 /// Errors of one joint coordinate.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -87,16 +87,38 @@ pub(super) fn rate_parts(
     o: &Observations,
     (dof, joint): (usize, usize),
     (k, at): (usize, f64),
-) -> [[f64; 2]; 2] {
-    if o.joint(joint).rate != InputRate::Measured {
-        return [[0.0; 2]; 2];
+) -> RateParts {
+    let InputChannel { rate, of_rates, .. } = o.joint(joint);
+    let ends = match rate {
+        InputRate::Measured if of_rates.is_empty() => [k, k + 1].map(|k| {
+            let rate = o.joint_rate.get(k * dof + joint).copied();
+            RateParts {
+                rates: [0.0, rate.unwrap_or(0.0)],
+                ones: [0.0, 1.0],
+            }
+        }),
+        _ => [k, k + 1].map(|k| of_rates.get(k).copied().unwrap_or_default()),
+    };
+    let next = o.time_s.get(k + 1).copied().unwrap_or(o.time_s[k]);
+    ends[0].to(&ends[1], next - o.time_s[k], at)
+}
+
+impl RateParts {
+    /// Those at a share of an interval of length h, on the cubic with these ends.
+    pub(super) fn to(&self, end: &Self, h: f64, at: f64) -> Self {
+        let between = |a: [f64; 2], b: [f64; 2]| match at {
+            0.0 => a,
+            1.0 => b,
+            _ => {
+                let (so_far, rate) = cubic(b[0] - a[0], [a[1], b[1]], h, at);
+                [a[0] + so_far, rate]
+            }
+        };
+        Self {
+            rates: between(self.rates, end.rates),
+            ones: between(self.ones, end.ones),
+        }
     }
-    let rate = |k: usize| o.joint_rate[k * dof + joint];
-    if at == 0.0 || at == 1.0 {
-        return [[0.0, rate(k + usize::from(at == 1.0))], [0.0, 1.0]];
-    }
-    let h = o.time_s[k + 1] - o.time_s[k];
-    [[rate(k), rate(k + 1)], [1.0, 1.0]].map(|rates| cubic(0.0, rates, h, at).into())
 }
 
 /// The cubic with a change and the rates at both ends of an interval of length h: how far it is at a share of it, and its rate there.

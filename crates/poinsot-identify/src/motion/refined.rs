@@ -4,7 +4,8 @@ use super::environment::orbit_between;
 use super::inputs::joint_between;
 use crate::problem::error_process::{ErrorProcess, ErrorStep};
 use crate::problem::segment::{
-    BetweenReadings, InputChannel, InputErrors, Observations, SensorRecord, SensorSample,
+    BetweenReadings, InputChannel, InputErrors, Observations, RateParts, SensorRecord,
+    SensorSample,
 };
 use nalgebra::Matrix2;
 
@@ -115,8 +116,18 @@ fn at_places(inputs: &[InputChannel], places: &[Place], old_s: &[f64]) -> Vec<In
     let moved = |i: &InputChannel| InputChannel {
         errors: errors(&i.errors, places, old_s),
         rate: i.rate,
+        of_rates: parts(&i.of_rates, places, old_s),
     };
     inputs.iter().map(moved).collect()
+}
+
+/// The parts on the cubics between grid times, as the motion is.
+fn parts(old: &[RateParts], places: &[Place], old_s: &[f64]) -> Vec<RateParts> {
+    let part = |p: &Place| match (old.get(p.k), old.get(p.k + 1)) {
+        (Some(a), Some(b)) => Some(a.to(b, old_s[p.k + 1] - old_s[p.k], p.at)),
+        (a, _) => a.copied(),
+    };
+    places.iter().filter_map(part).collect()
 }
 
 /// The same errors, interpolated where there is no sample. A correlation is shared out over the parts of its interval.

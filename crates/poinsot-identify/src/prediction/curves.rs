@@ -64,7 +64,7 @@ pub fn maximum_likelihood_predicted(
     let moved = shifted.as_ref().map(|c| c.problem(&taken));
     let mut experiment = Experiment::new(moved.as_ref().unwrap_or(&taken), &solution.parameters);
     if let Some(own) = &solution.likelihood {
-        experiment.alternative = own.alternative;
+        experiment.wheels = own.wheels;
     }
     let predictions = predict(&experiment, at, points);
     Ok((answer::write_with_remedies(problem, solution), predictions))

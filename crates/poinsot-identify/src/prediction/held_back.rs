@@ -66,12 +66,11 @@ pub fn held_back(
     let settings = experiment.settings;
     let explains = |f: &Fitted| consistent(&f.evaluated, &settings);
     let fitted = fit(&experiment, None)?;
-    let mut best = AlternativeFit::new(experiment, fitted).or_other_rest_motion();
+    let mut best = AlternativeFit::new(experiment, fitted);
     let mut process = None;
     if problem.assumes_wheel_motion() {
         // As in an identification: the data decide the wheel interpolation.
-        let alternative = best.experiment.alternative.with(BetweenSamples::Smooth);
-        let smooth = best.experiment.under(alternative);
+        let smooth = best.experiment.under(BetweenSamples::Smooth);
         let fitted = fit(&smooth, None)?;
         if smooth.cost_of(&fitted) < best.experiment.cost_of(&best.fitted) {
             best = AlternativeFit::new(smooth, fitted);

@@ -335,12 +335,24 @@ pub struct InputChannel {
     pub errors: InputErrors,
     /// What is known of its rate.
     pub rate: InputRate,
+    /// The part of a joint's motion that measured rates make, one row per grid time, where it is a process; empty otherwise.
+    pub of_rates: Vec<RateParts>,
+}
+
+/// Position and rate of a joint that its measured rates make, and what they would make were all of them one.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct RateParts {
+    /// Of the rates as they are.
+    pub rates: [f64; 2],
+    /// Of ones.
+    pub ones: [f64; 2],
 }
 
 /// One of which nothing special is known.
 static PLAIN: InputChannel = InputChannel {
     errors: InputErrors::Independent,
     rate: InputRate::Unmeasured,
+    of_rates: Vec::new(),
 };
 
 /// What is known of the rate of a joint, or of the acceleration of a wheel.
@@ -376,28 +388,13 @@ pub enum InputErrors {
     Process(ErrorProcess),
 }
 
-/// Correlation of the error of a rounded reading at a grid time with that at the next one.
+/// Error of a rounded reading at a grid time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RoundingError {
-    /// Where the quantity moves evenly by a step while its reading stays.
-    pub moving: f64,
-    /// Where it rests, and moves only as it stops and starts.
-    pub resting: f64,
-    /// Whether it may be at rest here.
-    pub rests: bool,
+    /// Correlation with that at the next one, where the quantity moves evenly by a step while its reading stays.
+    pub memory: f64,
     /// Whether there is a sample at the grid time.
     pub read: bool,
-}
-
-impl RoundingError {
-    /// Correlation if a quantity at rest moves by this share of a step while its reading stays: at one it moves all along.
-    fn memory(&self, rest_motion: f64) -> f64 {
-        match (rest_motion < 1.0, self.rests) {
-            (false, _) => self.moving,
-            (true, false) => self.resting,
-            (true, true) => 1.0 - rest_motion * rest_motion * (1.0 - self.moving),
-        }
-    }
 }
 
 /// Place of a grid time among the readings of an input.
@@ -427,15 +424,7 @@ impl InputErrors {
             Self::Locked => 1.0,
             Self::Process(process) => process.memory(k),
             Self::Kept(all) => all.get(k).copied().unwrap_or(0.0),
-            Self::Rounded(all) => all.get(k).map_or(0.0, |e| e.moving),
-        }
-    }
-
-    /// The errors if quantities at rest move by this share of a step while their readings stay.
-    pub(crate) fn with_rest_motion(&self, share: f64) -> Self {
-        match self {
-            Self::Rounded(all) => Self::Kept(all.iter().map(|e| e.memory(share)).collect()),
-            other => other.clone(),
+            Self::Rounded(all) => all.get(k).map_or(0.0, |e| e.memory),
         }
     }
 
@@ -444,15 +433,6 @@ impl InputErrors {
         matches!(self, Self::Kept(_) | Self::Rounded(_))
     }
 
-    /// Whether a joint's rate has an error of its own.
-    pub(crate) fn leaves_rate(&self) -> bool {
-        !matches!(self, Self::None | Self::Locked | Self::Process(_))
-    }
-
-    /// Whether a quantity may be at rest somewhere.
-    pub(crate) fn may_rest(&self) -> bool {
-        matches!(self, Self::Rounded(all) if all.iter().any(|e| e.rests))
-    }
 }
 
 /// Accelerations at the times of the samples, for methods that take them instead of momentum.

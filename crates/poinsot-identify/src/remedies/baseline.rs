@@ -6,7 +6,7 @@ use crate::fit::experiment::Experiment;
 use crate::fit::triangle::SharedTriangle;
 use crate::likelihood::{InitialState, MeasuredMotion};
 use crate::problem::Problem;
-use crate::problem::alternative::Alternative;
+use crate::problem::alternative::BetweenSamples;
 use crate::problem::parameters::{Equations, Parameters, UnknownKind, axis_name, tensor_name};
 use crate::problem::quantity::{Quantity, TenParameters};
 use crate::solution::estimate::UnobservableCombination;
@@ -26,7 +26,7 @@ pub(super) struct Baseline<'a> {
     coordinates: Coordinates,
     pub initial_state: InitialState,
     pub measured_motion: MeasuredMotion,
-    pub alternative: Alternative,
+    pub wheels: BetweenSamples,
     pub spin: Vec<f64>,
 }
 
@@ -60,7 +60,7 @@ impl<'a> Baseline<'a> {
             rows: known_rows(solution, &parameters, &x),
             spin: experiment.nominal_spin.clone(),
             measured_motion: experiment.measured_motion,
-            alternative: likelihood.alternative,
+            wheels: likelihood.wheels,
             problem,
             parameters,
             x,

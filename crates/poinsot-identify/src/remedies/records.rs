@@ -264,7 +264,7 @@ impl Baseline<'_> {
             nominal_spin: &self.spin,
             noise: &trial.noise,
             loss: Loss::Gaussian,
-            alternative: self.alternative,
+            wheels: self.wheels,
             random_torque: self.problem.model.environment.random_torque,
             curves: &curves,
             grids: &[],

@@ -38,6 +38,5 @@ pub(super) fn predict(
         rate: None,
         columns,
         errors,
-        gains: spare.take(),
     })
 }

@@ -89,8 +89,6 @@ pub(crate) struct PredictedMeasurement {
     pub columns: Vec<Vector3>,
     /// Change with every error in the state of the inputs' filter.
     pub errors: Vec<Vector3>,
-    /// Change with the rate of every joint, where the filter does not know the errors of rates.
-    pub gains: Vec<Vector3>,
 }
 
 impl PredictedMeasurement {
@@ -211,9 +209,6 @@ pub(crate) fn predict(
     let seen = measure(record, motion, (state, k), instant, spare.take_joints())?;
     let mut columns = seen.along(motion.sensitivities(), spare.take());
     let mut errors = seen.along(inputs.columns.iter().zip(&inputs.twists), spare.take());
-    let mut gains = spare.take();
-    let twist = &seen.measured.twist;
-    gains.extend(inputs.rate_gain.iter().map(|gain| twist * gain));
     if !seen.joints.is_empty() {
         let of = |joint: usize| {
             let found = seen.joints.binary_search_by_key(&joint, |s| s.0);
@@ -232,18 +227,12 @@ pub(crate) fn predict(
                 errors[at] += over.position * dq + over.rate * drate;
             }
         }
-        for (joint, over) in &seen.joints {
-            if let Some(gain) = gains.get_mut(*joint) {
-                *gain += over.rate;
-            }
-        }
     }
     let predicted = PredictedMeasurement {
         value: seen.value(),
         rate: seen.measured.rate,
         columns,
         errors,
-        gains,
     };
     spare.joints = seen.joints;
     Some(predicted)

@@ -100,13 +100,11 @@ impl SampleStream {
                     rate: None,
                     columns,
                     errors,
-                    gains: spare.take(),
                 },
                 rate: slope(k) - slope(from),
             }
         });
         spare.give_back(before.columns);
-        spare.give_back(before.gains);
         due
     }
 

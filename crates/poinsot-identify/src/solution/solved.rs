@@ -7,7 +7,7 @@ use crate::fit::known_numbers::Effects;
 use crate::fit::step::BoundaryBodies;
 use crate::fit::triangle::{ConditionalEstimate, SharedTriangle};
 use crate::likelihood::{InitialState, MeasuredMotion};
-use crate::problem::alternative::Alternative;
+use crate::problem::alternative::BetweenSamples;
 use crate::problem::parameters::Parameters;
 use crate::problem::prior::{Conflict, PriorTest};
 use crate::problem::quantity::Quantity;
@@ -110,7 +110,7 @@ pub(crate) struct OfLikelihood {
     /// The part of the record that a failed search explains, in words.
     pub followed: Option<String>,
     /// What the fit assumes of the inputs between their samples.
-    pub alternative: Alternative,
+    pub wheels: BetweenSamples,
     /// What the wheels may do between samples instead.
     pub other_wheel_motion: Option<OtherWheelMotion>,
     /// Bodies at an active limit of physical mass properties.

@@ -4,8 +4,7 @@
 //! the correlation of two errors is `1 - 6 d + 6 d^2` by the mean over the phase of the product of two sawtooth
 //! errors. Errors are treated as independent if the change exceeds a fifth of a step. In a run of `n` equal samples
 //! `d` is at most `1 / n`. A quantity at rest and one that drifts by a whole step during the run are
-//! indistinguishable by the run alone. A joint may be at rest where the runs beside it are much
-//! shorter; the fit decides by the likelihood.
+//! indistinguishable by the run alone: it is taken as moving.
 
 use super::channels::{Channels, JointColumns};
 use super::sensors::{rounding, runs, scalar_sensor};
@@ -15,10 +14,6 @@ use poinsot_telemetry::{Channel, median_step};
 
 /// Correlation of neighbouring errors below which all are independent.
 const UNCORRELATED: f64 = 1.0e-3;
-/// Samples that a motion from rest takes to leave its first level, over those that it stays on the next one: for a start with
-/// the third power of time from the far edge of the level, `1 / (2^(1/3) - 1)`. Starts with constant acceleration take fewer.
-const STARTS: f64 = 3.85;
-
 /// What is known of every joint on the grid of a segment.
 pub(super) fn joint_inputs(channels: &Channels, grid: &[f64]) -> Vec<InputChannel> {
     let of = |joint: JointColumns| {
@@ -26,11 +21,12 @@ pub(super) fn joint_inputs(channels: &Channels, grid: &[f64]) -> Vec<InputChanne
         InputChannel {
             errors: joint
                 .position
-                .map_or(InputErrors::None, |c| errors(c, sensor, grid, true)),
+                .map_or(InputErrors::None, |c| errors(c, sensor, grid)),
             rate: match joint.moving().and(joint.rate) {
                 Some(_) => InputRate::Measured,
                 None => InputRate::Unmeasured,
             },
+            of_rates: Vec::new(),
         }
     };
     channels.joints().map(of).collect()
@@ -46,6 +42,7 @@ pub(super) fn wheel_inputs(channels: &Channels, grid: &[f64]) -> Vec<InputChanne
                 true => InputRate::Straight,
                 false => InputRate::Unmeasured,
             },
+            of_rates: Vec::new(),
         }
     };
     channels.tachometers().enumerate().map(of).collect()
@@ -77,7 +74,7 @@ fn of_wheel(channel: &Channel, sensor: Option<&Sensor>, grid: &[f64]) -> InputEr
     match fresh && !read_at(channel, grid) {
         true => InputErrors::Interpolated(places(&channel.time_s, grid)),
         // Without torque a wheel keeps its speed in inertial space, not that against a body which turns.
-        false => errors(channel, sensor, grid, false),
+        false => errors(channel, sensor, grid),
     }
 }
 
@@ -107,39 +104,22 @@ struct Stay {
     to_s: f64,
     /// Correlation of neighbours if the quantity moves by a step during the run.
     moving: f64,
-    /// Where it may be at rest, s, and the correlation of neighbours before and after.
-    rest: Option<(f64, f64)>,
-    ends: [f64; 2],
 }
 
-/// The longer runs of a rounded channel. A quantity may be at rest in a run that is much longer than those
-/// beside it.
+/// The longer runs of a rounded channel.
 fn stays(channel: &Channel, runs: &[(usize, usize)]) -> Vec<Stay> {
     let t = &channel.time_s;
-    let length = |r: Option<usize>| {
-        let run = r.and_then(|r| runs.get(r));
-        run.map_or(0, |(from, to)| to - from + 1)
-    };
-    let stay = |(r, &(from, to)): (usize, &(usize, usize))| {
-        let own = to - from + 1;
-        let moving = memory_of_run(own)?;
-        // It stops and starts at the ends, if a run is beside them.
-        let ends = [length(r.checked_sub(1)), length(Some(r + 1))];
-        let ends = ends.map(|beside| (STARTS * beside as f64).ceil() as usize);
-        let rests = ends[0] + ends[1] < own;
+    let stay = |&(from, to): &(usize, usize)| {
         Some(Stay {
             from_s: t[from],
             to_s: t[to],
-            moving,
-            rest: rests.then(|| (t[from + ends[0]], t[to - ends[1]])),
-            ends: ends.map(|n| memory_of_run(n).unwrap_or(0.0)),
+            moving: memory_of_run(to - from + 1)?,
         })
     };
-    runs.iter().enumerate().filter_map(stay).collect()
+    runs.iter().filter_map(stay).collect()
 }
 
-/// `brakes` says whether the quantity may be held still.
-fn errors(channel: &Channel, sensor: Option<&Sensor>, grid: &[f64], brakes: bool) -> InputErrors {
+fn errors(channel: &Channel, sensor: Option<&Sensor>, grid: &[f64]) -> InputErrors {
     let runs = runs_of(channel, sensor);
     if runs.len() == 1 {
         return InputErrors::Locked;
@@ -147,51 +127,24 @@ fn errors(channel: &Channel, sensor: Option<&Sensor>, grid: &[f64], brakes: bool
     let between = median_step(&channel.time_s).unwrap_or(0.0);
     let mut stays = stays(channel, &runs).into_iter().peekable();
     let tolerance = 1.0e-6 * between;
-    let mut memory: Vec<RoundingError> = grid
-        .windows(2)
-        .map(|w| {
-            while stays.next_if(|s| s.to_s < w[1] - tolerance).is_some() {}
-            let h = w[1] - w[0];
-            let Some(s) = stays.peek().filter(|s| s.from_s <= w[0] + tolerance) else {
-                // Interpolated values share errors; this correlation keeps the noise per second.
-                let shared = ((between - h) / (between + h)).max(0.0);
-                return correlated(shared);
-            };
-            let over = |memory: f64| memory.powf((h / between).min(1.0));
-            let moving = over(s.moving);
-            let Some((from, to)) = s.rest.filter(|_| brakes) else {
-                return correlated(moving);
-            };
-            let [before, after] = s.ends.map(over);
-            RoundingError {
-                moving,
-                resting: if w[0] < from - tolerance {
-                    before
-                } else {
-                    after
-                },
-                read: false,
-                rests: w[0] >= from - tolerance && w[1] <= to + tolerance,
-            }
-        })
-        .chain([correlated(0.0)])
-        .collect();
-    let places = places(&channel.time_s, grid);
-    let pairs = memory.iter_mut().zip(&places);
-    pairs.for_each(|(e, place)| e.read = place.share == 0.0);
-    match memory.iter().all(|e| e.moving < UNCORRELATED && !e.rests) {
+    let memory = |w: &[f64]| {
+        while stays.next_if(|s| s.to_s < w[1] - tolerance).is_some() {}
+        let h = w[1] - w[0];
+        match stays.peek().filter(|s| s.from_s <= w[0] + tolerance) {
+            // Interpolated values share errors; this correlation keeps the noise per second.
+            None => ((between - h) / (between + h)).max(0.0),
+            Some(s) => s.moving.powf((h / between).min(1.0)),
+        }
+    };
+    let memory = grid.windows(2).map(memory).chain([0.0]);
+    let error = |(memory, place): (f64, BetweenReadings)| RoundingError {
+        memory,
+        read: place.share == 0.0,
+    };
+    let all: Vec<RoundingError> = memory.zip(places(&channel.time_s, grid)).map(error).collect();
+    match all.iter().all(|e| e.memory < UNCORRELATED) {
         true => InputErrors::Independent,
-        false => InputErrors::Rounded(memory),
-    }
-}
-
-/// A correlation that no rest changes.
-fn correlated(memory: f64) -> RoundingError {
-    RoundingError {
-        moving: memory,
-        resting: memory,
-        rests: false,
-        read: false,
+        false => InputErrors::Rounded(all),
     }
 }
 
@@ -215,37 +168,6 @@ mod tests {
         assert_eq!(runs(&[], 1.0), []);
         assert_eq!(memory_of_run(3), None);
         assert!((memory_of_run(10).unwrap_or(0.0) - 0.46).abs() < 1.0e-12);
-    }
-
-    /// Starts from the far edge of a level: with constant acceleration and with the third power of time.
-    #[test]
-    fn exact_a_motion_from_rest_leaves_its_level_within_the_ends() {
-        for power in [2.0_f64, 3.0] {
-            let first = 1.0;
-            let next = 2.0_f64.powf(1.0 / power) - 1.0;
-            assert!(STARTS * next >= first - 1.0e-3, "{power}");
-        }
-    }
-
-    #[test]
-    fn unit_only_a_run_much_longer_than_its_neighbours_may_be_at_rest() {
-        let rests = |lengths: &[usize]| -> Vec<bool> {
-            let levels = lengths.iter().enumerate();
-            let values: Vec<f64> = levels.flat_map(|(k, n)| vec![k as f64; *n]).collect();
-            let channel = Channel {
-                name: "q".to_owned(),
-                time_s: (0..values.len()).map(|k| k as f64).collect(),
-                values,
-                ..Channel::default()
-            };
-            let runs = runs(&channel.values, 1.0);
-            let all = stays(&channel, &runs);
-            all.iter().map(|s| s.rest.is_some()).collect()
-        };
-        assert_eq!(rests(&[20, 20, 20, 20]), [false; 4]);
-        assert_eq!(rests(&[100, 8, 6, 60]), [true, false, false, true]);
-        // A turn at constant acceleration.
-        assert_eq!(rests(&[10, 14, 48, 14, 10]), [false; 5]);
     }
 
     #[test]

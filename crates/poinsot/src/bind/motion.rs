@@ -5,8 +5,9 @@ use super::channels::{BaseRates, Channels, JointColumns, VectorChannels, WheelSp
 use super::driven_wheels::speed_at;
 use super::free_fall::ORBITAL;
 use super::input_errors::joint_inputs;
+use super::noise::scalar;
 use super::sensors::{
-    Column, HALF_WIDTH, covariance, own_values, rounding, scalar_sensor, vectors,
+    Column, HALF_WIDTH, own_values, rounding, scalar_sensor, vectors,
 };
 use crate::channel_names::{XYZ, axes};
 use crate::error::Error;
@@ -14,10 +15,10 @@ use nalgebra::Quaternion;
 use poinsot_dynamics::Kinematics;
 use poinsot_files::{Place, rounded};
 use poinsot_identify::{
-    Accelerations, ErrorProcess, InputChannel, InputErrors, InputSample, JointMotion, Samples,
+    Accelerations, ErrorProcess, InputChannel, InputErrors, InputSample, JointMotion, RateParts, Samples,
     Translation,
 };
-use poinsot_model::{Model, Sensor, SensorKind};
+use poinsot_model::{Model, SensorKind};
 use poinsot_spatial::{UnitQuaternion, Vector3};
 use poinsot_telemetry::{
     Channel, differentiate, median_step, resample, resample_attitude, resample_hermite,
@@ -39,7 +40,7 @@ pub(super) fn align(
     repairs: &mut Vec<String>,
 ) -> Result<Aligned, Error> {
     let times = rates.time_s();
-    let inputs = Inputs::at(channels, &channels.wheels(), times);
+    let inputs = Inputs::at(channels, &channels.wheels(), times, Rates::AsMeasured);
     let carrier = |kind| channels.leading.sensor(kind).map_or(0, |s| s.body);
     let of_attitude = Carrier::new(channels, &inputs, carrier(SensorKind::Attitude));
     let of_rates = match rates.are_measured() {
@@ -329,9 +330,10 @@ fn told(channels: &Channels, columns: &JointColumns, repairs: &mut Vec<String>) 
         ));
     }
     if columns.moving().is_some() && columns.rate.is_none() {
-        let how = match noisy(channels.model, columns) {
-            Some(_) => format!("position and rate of {name} smoothed from '{position_name}'"),
-            None => format!(
+        let noise = scalar(channels.model, SensorKind::JointPosition, columns.at);
+        let how = match noise > 0.0 {
+            true => format!("position and rate of {name} smoothed from '{position_name}'"),
+            false => format!(
                 "rate of {name} differentiated from '{position_name}' (quartic through five samples)"
             ),
         };
@@ -344,8 +346,8 @@ fn told(channels: &Channels, columns: &JointColumns, repairs: &mut Vec<String>) 
 pub(super) struct Inputs {
     joint_position: Vec<Column>,
     joint_rate: Vec<Column>,
-    /// Of joints whose motion is that of noisy positions alone: what it errs by.
-    joint_errors: Vec<Option<ErrorProcess>>,
+    /// Of joints with noisy samples: what their motion errs by, and the part of it that measured rates make.
+    joint_errors: Vec<Option<(ErrorProcess, Vec<RateParts>)>>,
     wheel_speed: Vec<Column>,
 }
 
@@ -353,7 +355,16 @@ pub(super) struct Inputs {
 struct JointColumn {
     position: Column,
     rate: Column,
-    errors: Option<ErrorProcess>,
+    errors: Option<(ErrorProcess, Vec<RateParts>)>,
+}
+
+/// What measured rates of joints are.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Rates {
+    /// Values that rows of the linear equations take, with their noise.
+    AsMeasured,
+    /// Samples of a motion, as positions are.
+    OfMotion,
 }
 
 /// The same at the times that are complete, row by row.
@@ -364,10 +375,15 @@ pub(super) struct InputRows {
 }
 
 impl Inputs {
-    pub fn at(channels: &Channels, wheels: &[Option<WheelSpeed>], times: &[f64]) -> Self {
+    pub fn at(
+        channels: &Channels,
+        wheels: &[Option<WheelSpeed>],
+        times: &[f64],
+        rates: Rates,
+    ) -> Self {
         let joints: Vec<JointColumn> = channels
             .joints()
-            .map(|columns| joint_at(channels.model, &columns, times))
+            .map(|columns| joint_at(channels.model, &columns, (times, rates)))
             .collect();
         let wheel = |wheel: &Option<WheelSpeed>| match wheel {
             Some(w) => speed_at(&w.speed, w.tachometer, times),
@@ -390,8 +406,9 @@ impl Inputs {
         let all = joint_inputs(channels, grid).into_iter();
         all.zip(&self.joint_errors)
             .map(|(plain, errors)| match errors {
-                Some(process) => InputChannel {
+                Some((process, of_rates)) => InputChannel {
                     errors: InputErrors::Process(process.at_times(picked)),
+                    of_rates: picked.iter().filter_map(|k| of_rates.get(*k).copied()).collect(),
                     ..plain
                 },
                 None => plain,
@@ -425,9 +442,13 @@ impl Inputs {
     }
 }
 
-/// Motion of a joint at some times: cubic between samples, smoothed where noisy positions alone are read; at rest without a
+/// Motion of a joint at some times: cubic between exact samples, smoothed where these are noisy; at rest without a
 /// column, or where it is locked.
-fn joint_at(model: &Model, columns: &JointColumns, times: &[f64]) -> JointColumn {
+fn joint_at(
+    model: &Model,
+    columns: &JointColumns,
+    (times, rates): (&[f64], Rates),
+) -> JointColumn {
     let Some(q) = columns.moving() else {
         let still = || vec![Some(model.joints[columns.at].standing_at()); times.len()];
         let position = columns.position.map(|q| resample(q, times, None));
@@ -437,10 +458,12 @@ fn joint_at(model: &Model, columns: &JointColumns, times: &[f64]) -> JointColumn
             errors: None,
         };
     };
-    if let Some(smoothed) = smoothed(model, columns, times) {
+    let derived = columns.rate.is_none();
+    if (derived || rates == Rates::OfMotion)
+        && let Some(smoothed) = smoothed(model, columns, times)
+    {
         return smoothed;
     }
-    let derived = columns.rate.is_none();
     let derived = derived.then(|| differentiate(q, HALF_WIDTH));
     let rate = derived.as_ref().or(columns.rate).unwrap_or(q);
     JointColumn {
@@ -450,27 +473,37 @@ fn joint_at(model: &Model, columns: &JointColumns, times: &[f64]) -> JointColumn
     }
 }
 
-/// The sensor of a joint's positions and its variance, if it has noise.
-fn noisy<'m>(model: &'m Model, columns: &JointColumns) -> Option<(&'m Sensor, f64)> {
-    let sensor = scalar_sensor(model, SensorKind::JointPosition, columns.at)?;
-    let variance = covariance(sensor)?[(0, 0)];
-    (variance > 0.0).then_some((sensor, variance))
-}
+/// Share of an error that stands for none beside one that is declared.
+const EXACT: f64 = 1.0e-6;
 
-/// Motion of a joint from its positions, where these are noisy and no rates are read.
+/// Motion of a joint from its positions and rates, where these are noisy.
 fn smoothed(model: &Model, columns: &JointColumns, times: &[f64]) -> Option<JointColumn> {
-    let q = columns.moving().filter(|_| columns.rate.is_none())?;
-    let (sensor, variance) = noisy(model, columns)?;
-    let tolerance = 1.0e-6 * median_step(&q.time_s).unwrap_or(0.0);
-    let mut grid: Vec<f64> = times.iter().chain(&*q.time_s).copied().collect();
+    let q = columns.moving()?;
+    let step = median_step(&q.time_s)?;
+    let kinds = [SensorKind::JointPosition, SensorKind::JointRate];
+    let [of_position, of_rate] = kinds.map(|kind| scalar(model, kind, columns.at));
+    let of_rate = columns.rate.map_or(0.0, |_| of_rate);
+    if of_position + of_rate == 0.0 {
+        return None;
+    }
+    let tolerance = 1.0e-6 * step;
+    let rates = columns.rate.into_iter().flat_map(|rate| &*rate.time_s);
+    let mut grid: Vec<f64> = times.iter().chain(&*q.time_s).chain(rates).copied().collect();
     grid.sort_by(f64::total_cmp);
     grid.dedup_by(|a, b| *a - *b <= tolerance);
     let place = |t: &f64| grid.partition_point(|x| *x < t - tolerance);
-    let read = q.time_s.iter().zip(&q.values);
-    let samples = read.map(|(t, x)| InputSample::white(place(t), *x, variance));
-    let mut samples: Vec<InputSample> = samples.collect();
-    samples.dedup_by_key(|sample| sample.at);
-    let motion = JointMotion::new(&grid, &samples, rounding(sensor).is_some())?;
+    let read = |channel: &Channel, of: fn(usize, f64, f64) -> InputSample, variance: f64| {
+        let pairs = channel.time_s.iter().zip(&channel.values);
+        let mut samples: Vec<InputSample> = pairs.map(|(t, x)| of(place(t), *x, variance)).collect();
+        samples.dedup_by_key(|sample| sample.at);
+        samples
+    };
+    let positions = read(q, InputSample::white, of_position.max(EXACT * of_rate * step * step));
+    let slope = of_rate.max(EXACT * of_position / (step * step));
+    let rates = columns.rate.map_or_else(Vec::new, |rate| read(rate, InputSample::slope, slope));
+    let sensor = scalar_sensor(model, SensorKind::JointPosition, columns.at);
+    let rounds = sensor.and_then(rounding).is_some();
+    let motion = JointMotion::new(&grid, (&positions, &rates), rounds)?;
     let picked: Vec<usize> = times.iter().map(place).collect();
     // Gaps stay gaps.
     let known = resample(q, times, None);
@@ -481,7 +514,10 @@ fn smoothed(model: &Model, columns: &JointColumns, times: &[f64]) -> Option<Join
     Some(JointColumn {
         position: column(&motion.position),
         rate: column(&motion.rate),
-        errors: Some(motion.errors.at_times(&picked)),
+        errors: Some((
+            motion.errors.at_times(&picked),
+            picked.iter().filter_map(|k| motion.of_rates.get(*k).copied()).collect(),
+        )),
     })
 }
 

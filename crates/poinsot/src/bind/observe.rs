@@ -4,7 +4,7 @@ use super::channels::{Channels, VectorChannels, WheelSpeed};
 use super::cut::input_channels;
 use super::driven_wheels::speed_at;
 use super::input_errors::{between_readings, wheel_inputs};
-use super::motion::Inputs;
+use super::motion::{Inputs, Rates};
 use super::orbit::orbit_at;
 use super::sensors::{HALF_WIDTH, SAME, SensorColumns, own_values, sensor_columns, vectors};
 use poinsot_identify::{Firing, Observations, Samples};
@@ -36,7 +36,7 @@ pub(super) fn observe(channels: &Channels, samples: &Samples, firings: &[Firing]
         .collect();
     time_s.sort_by(f64::total_cmp);
     time_s.dedup_by(|a, b| *a - *b < SAME);
-    let inputs = Inputs::at(channels, &wheels, &time_s);
+    let inputs = Inputs::at(channels, &wheels, &time_s, Rates::OfMotion);
     let orbit = orbit_at(channels, &time_s);
     let complete: Vec<usize> = (0..time_s.len())
         .filter(|&k| inputs.complete(k))
