@@ -121,8 +121,8 @@ pub use problem::parameters::{
 };
 pub use problem::segment::{
     Accelerations, BetweenReadings, Firing, InputChannel, InputErrors, InputRate, Noise,
-    Observations, RateParts, RoundingError, Samples, Segment, SensorRecord, SensorSample, SensorValue,
-    Translation,
+    Observations, RateParts, RoundingError, Samples, Segment, SensorRecord, SensorSample,
+    SensorValue, Translation,
 };
 pub use problem::settings::{Coordinates, DiagnosisSettings, IntegrationSettings, Modes, Settings};
 pub use problem::{Problem, ProblemError, refusal};

@@ -196,8 +196,9 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
             record.covariance = record.white();
             record.slow.clear();
         }
-        for joint in &mut plain.observations.joints {
-            joint.errors = of_variance(&joint.errors, 1.0e-20);
+        let Observations { joints, wheels, .. } = &mut plain.observations;
+        for input in joints.iter_mut().chain(wheels) {
+            input.errors = of_variance(&input.errors, 1.0e-20);
         }
         let channels = evaluate(&plain, &silent).channels;
         channels

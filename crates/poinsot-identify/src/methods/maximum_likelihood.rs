@@ -125,7 +125,6 @@ pub(super) fn solve_from(
     let along = followed.as_ref().map(|s| problem.with_segments(s));
     let best = AlternativeFit::new(experiment, first)
         .about(along.as_ref().zip(end))
-        
         .or_smooth_wheels();
     let measured = along.is_none();
     let process = measured.then(|| best.wheel_process(explains)).flatten();

@@ -4,8 +4,7 @@ use super::environment::orbit_between;
 use super::inputs::joint_between;
 use crate::problem::error_process::{ErrorProcess, ErrorStep};
 use crate::problem::segment::{
-    BetweenReadings, InputChannel, InputErrors, Observations, RateParts, SensorRecord,
-    SensorSample,
+    BetweenReadings, InputChannel, InputErrors, Observations, RateParts, SensorRecord, SensorSample,
 };
 use nalgebra::Matrix2;
 

@@ -432,7 +432,6 @@ impl InputErrors {
     pub(crate) fn lasts(&self) -> bool {
         matches!(self, Self::Kept(_) | Self::Rounded(_))
     }
-
 }
 
 /// Accelerations at the times of the samples, for methods that take them instead of momentum.

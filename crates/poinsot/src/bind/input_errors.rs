@@ -141,7 +141,10 @@ fn errors(channel: &Channel, sensor: Option<&Sensor>, grid: &[f64]) -> InputErro
         memory,
         read: place.share == 0.0,
     };
-    let all: Vec<RoundingError> = memory.zip(places(&channel.time_s, grid)).map(error).collect();
+    let all: Vec<RoundingError> = memory
+        .zip(places(&channel.time_s, grid))
+        .map(error)
+        .collect();
     match all.iter().all(|e| e.memory < UNCORRELATED) {
         true => InputErrors::Independent,
         false => InputErrors::Rounded(all),

@@ -6,17 +6,15 @@ use super::driven_wheels::speed_at;
 use super::free_fall::ORBITAL;
 use super::input_errors::joint_inputs;
 use super::noise::scalar;
-use super::sensors::{
-    Column, HALF_WIDTH, own_values, rounding, scalar_sensor, vectors,
-};
+use super::sensors::{Column, HALF_WIDTH, own_values, rounding, scalar_sensor, vectors};
 use crate::channel_names::{XYZ, axes};
 use crate::error::Error;
 use nalgebra::Quaternion;
 use poinsot_dynamics::Kinematics;
 use poinsot_files::{Place, rounded};
 use poinsot_identify::{
-    Accelerations, ErrorProcess, InputChannel, InputErrors, InputSample, JointMotion, RateParts, Samples,
-    Translation,
+    Accelerations, ErrorProcess, InputChannel, InputErrors, InputSample, JointMotion, RateParts,
+    Samples, Translation,
 };
 use poinsot_model::{Model, SensorKind};
 use poinsot_spatial::{UnitQuaternion, Vector3};
@@ -408,7 +406,10 @@ impl Inputs {
             .map(|(plain, errors)| match errors {
                 Some((process, of_rates)) => InputChannel {
                     errors: InputErrors::Process(process.at_times(picked)),
-                    of_rates: picked.iter().filter_map(|k| of_rates.get(*k).copied()).collect(),
+                    of_rates: picked
+                        .iter()
+                        .filter_map(|k| of_rates.get(*k).copied())
+                        .collect(),
                     ..plain
                 },
                 None => plain,
@@ -444,11 +445,7 @@ impl Inputs {
 
 /// Motion of a joint at some times: cubic between exact samples, smoothed where these are noisy; at rest without a
 /// column, or where it is locked.
-fn joint_at(
-    model: &Model,
-    columns: &JointColumns,
-    (times, rates): (&[f64], Rates),
-) -> JointColumn {
+fn joint_at(model: &Model, columns: &JointColumns, (times, rates): (&[f64], Rates)) -> JointColumn {
     let Some(q) = columns.moving() else {
         let still = || vec![Some(model.joints[columns.at].standing_at()); times.len()];
         let position = columns.position.map(|q| resample(q, times, None));
@@ -488,19 +485,31 @@ fn smoothed(model: &Model, columns: &JointColumns, times: &[f64]) -> Option<Join
     }
     let tolerance = 1.0e-6 * step;
     let rates = columns.rate.into_iter().flat_map(|rate| &*rate.time_s);
-    let mut grid: Vec<f64> = times.iter().chain(&*q.time_s).chain(rates).copied().collect();
+    let mut grid: Vec<f64> = times
+        .iter()
+        .chain(&*q.time_s)
+        .chain(rates)
+        .copied()
+        .collect();
     grid.sort_by(f64::total_cmp);
     grid.dedup_by(|a, b| *a - *b <= tolerance);
     let place = |t: &f64| grid.partition_point(|x| *x < t - tolerance);
     let read = |channel: &Channel, of: fn(usize, f64, f64) -> InputSample, variance: f64| {
         let pairs = channel.time_s.iter().zip(&channel.values);
-        let mut samples: Vec<InputSample> = pairs.map(|(t, x)| of(place(t), *x, variance)).collect();
+        let mut samples: Vec<InputSample> =
+            pairs.map(|(t, x)| of(place(t), *x, variance)).collect();
         samples.dedup_by_key(|sample| sample.at);
         samples
     };
-    let positions = read(q, InputSample::white, of_position.max(EXACT * of_rate * step * step));
+    let positions = read(
+        q,
+        InputSample::white,
+        of_position.max(EXACT * of_rate * step * step),
+    );
     let slope = of_rate.max(EXACT * of_position / (step * step));
-    let rates = columns.rate.map_or_else(Vec::new, |rate| read(rate, InputSample::slope, slope));
+    let rates = columns
+        .rate
+        .map_or_else(Vec::new, |rate| read(rate, InputSample::slope, slope));
     let sensor = scalar_sensor(model, SensorKind::JointPosition, columns.at);
     let rounds = sensor.and_then(rounding).is_some();
     let motion = JointMotion::new(&grid, (&positions, &rates), rounds)?;
@@ -516,7 +525,10 @@ fn smoothed(model: &Model, columns: &JointColumns, times: &[f64]) -> Option<Join
         rate: column(&motion.rate),
         errors: Some((
             motion.errors.at_times(&picked),
-            picked.iter().filter_map(|k| motion.of_rates.get(*k).copied()).collect(),
+            picked
+                .iter()
+                .filter_map(|k| motion.of_rates.get(*k).copied())
+                .collect(),
         )),
     })
 }
