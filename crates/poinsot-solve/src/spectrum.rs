@@ -5,6 +5,8 @@ use std::ops::Range;
 
 /// Largest fraction of a gradient along undetermined directions for a determined number.
 const TOUCH: f64 = 1.0e-4;
+/// Share of a gradient below which its component along undetermined directions is round-off.
+const ROUND_OFF: f64 = 1.0e-9;
 /// Sigma of a direction, natural units, up to which its share in a number is taken for what the data say of it.
 const WEAK: f64 = 100.0;
 /// Largest fraction of measurement noise in a direction's squared length for an identified direction.
@@ -390,12 +392,20 @@ impl Spectrum {
         }
         let noise = self.variance(&g);
         let bias: f64 = g.iter().zip(&self.bias).map(|(a, b)| a * b).sum();
-        // The small component along undetermined directions has the uncertainty of the nominal values.
-        let open = self.touch(&g);
-        Some(
-            (noise + bias * bias + open * open * f64::from(u8::from(open > 1.0e-9 * length)))
-                .sqrt(),
-        )
+        let open: f64 = self.nominal_part(gradient).iter().map(|x| x * x).sum();
+        Some((noise + bias * bias + open).sqrt())
+    }
+
+    /// What a number with this gradient owes to nominal values along each undetermined direction: its small component there has their
+    /// uncertainty. Empty where there is none.
+    pub fn nominal_part(&self, gradient: &[f64]) -> Vec<f64> {
+        let g = self.natural_gradient(gradient);
+        let open = self.told..self.natural.len();
+        let parts: Vec<f64> = open.map(|k| self.along(&g, k)).collect();
+        match norm(&parts) > ROUND_OFF * norm(&g) {
+            true => parts,
+            false => Vec::new(),
+        }
     }
 
     /// Change of a number with this gradient by one natural unit along it: what it owes to nominal values.

@@ -79,6 +79,10 @@ pub(crate) fn covariance(solution: &Solution, rows: &[Row], scale: f64) -> Vec<V
         (Some(other), Some(k)) => other.step[solution.shared.mass + k],
     };
     let changes: Vec<f64> = rows.iter().map(change).collect();
+    let nominal = rows
+        .iter()
+        .map(|row| solution.spectrum.nominal_part(&row.gradient));
+    let nominal: Vec<Vec<f64>> = nominal.collect();
     let c = DMatrix::from_fn(m, m, |i, j| c[(i, j)]);
     let slopes = DMatrix::from_fn(rows.len(), m, |i, j| rows[i].gradient[j]);
     let carried = &slopes * c * slopes.transpose();
@@ -88,7 +92,9 @@ pub(crate) fn covariance(solution: &Solution, rows: &[Row], scale: f64) -> Vec<V
             _ => 0.0,
         };
         let chosen = other.map_or(0.0, |o| o.covariance(changes[i], changes[j]));
-        scale * (carried[(i, j)] + own + chosen)
+        let pairs = nominal[i].iter().zip(&nominal[j]);
+        let open: f64 = pairs.map(|(a, b)| a * b).sum();
+        scale * (carried[(i, j)] + own + chosen + open)
     };
     // Symmetric to the last bit.
     let row = |i: usize| (0..rows.len()).map(|j| one(i.max(j), i.min(j))).collect();

@@ -232,8 +232,8 @@ fn symmetries(problem: &Problem, solution: &Solution) -> Vec<Symmetry> {
     }
     if solution.explained.is_none() {
         let m = solution.of_data().natural.len();
-        for mut step in [solution.x.clone(), solution.parameters.nominal_vector()] {
-            step.truncate(m);
+        for step in [solution.x.clone(), solution.parameters.nominal_vector()] {
+            let step = within_its_errors(solution, &step[..m]);
             let text = "the common scale of all masses, first moments and inertias";
             let why = [
                 "every force and momentum in the data is proportional to the unknowns: no known quantity sets their scale",
@@ -247,6 +247,21 @@ fn symmetries(problem: &Problem, solution: &Solution) -> Vec<Symmetry> {
         }
     }
     list
+}
+
+/// A direction of unknowns as near to the null space as their errors allow: along each identified direction up to a sigma.
+fn within_its_errors(solution: &Solution, step: &[f64]) -> Vec<f64> {
+    let spectrum = solution.of_data();
+    let natural = &spectrum.natural;
+    let z: Vec<f64> = step.iter().zip(natural).map(|(s, unit)| s / unit).collect();
+    let mut out = step.to_vec();
+    for (k, sigma) in spectrum.sigmas()[..spectrum.rank].iter().enumerate() {
+        let error = spectrum.along(&z, k).clamp(-sigma, *sigma);
+        for (i, (value, unit)) in out.iter_mut().zip(natural).enumerate() {
+            *value -= error * spectrum.directions[(i, k)] * unit;
+        }
+    }
+    out
 }
 
 /// Unobservable exchanges between a body and its parent: revolute joint, mass on its axis; prismatic joint, the inertia

@@ -123,12 +123,11 @@ fn of_joint(o: &Observations, noise: &Noise, j: usize) -> Option<SmoothCurve> {
         return None;
     }
     let picked = readings(o, errors);
-    // The mean of a process is smooth already.
-    let variance = |all: &[f64]| match errors {
-        InputErrors::Process(_) => 0.0,
-        _ => all.get(j).copied().unwrap_or(0.0),
+    let variance = |all: &[f64]| all.get(j).copied().unwrap_or(0.0);
+    let [mut q, mut rate] = match errors {
+        InputErrors::Process(process) => process.mean_variances(),
+        _ => [variance(&noise.joint_position), variance(&noise.joint_rate)],
     };
-    let (mut q, mut rate) = (variance(&noise.joint_position), variance(&noise.joint_rate));
     let h = typical_step(o, &picked)?;
     match (q > 0.0, rate > 0.0) {
         (true, true) => {}

@@ -75,6 +75,17 @@ impl ErrorProcess {
         root(&self.initial)
     }
 
+    /// Variances of both errors, the mean over all grid times.
+    pub(crate) fn mean_variances(&self) -> [f64; 2] {
+        let mut P = self.initial;
+        let mut sum = P.diagonal();
+        for step in &self.steps {
+            P = step.memory * P * step.memory.transpose() + step.fresh;
+            sum += P.diagonal();
+        }
+        (sum / (1 + self.steps.len()) as f64).into()
+    }
+
     /// Correlation of the speed's error at a grid time with that at the next one, where the slope's is at its mean.
     pub(crate) fn memory(&self, k: usize) -> f64 {
         self.steps

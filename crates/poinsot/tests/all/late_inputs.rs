@@ -64,7 +64,7 @@ fn is_right(answer: &Identified, lag: &str, lag_s: f64, truth: &str, body: &str)
     let per_number = d.chi2 / d.dof as f64;
     assert!((0.97..1.03).contains(&per_number), "chi2/dof {per_number}");
     assert_eq!(e.status, Status::Converged);
-    assert!(e.covariance_trustworthy());
+    assert!(e.covariance_trustworthy(), "{:?}", e.doubts());
     assert!(d.suspects.is_empty(), "{:?}", d.suspects);
 }
 
