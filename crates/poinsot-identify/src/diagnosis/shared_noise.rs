@@ -12,6 +12,7 @@ use crate::fit::Fitted;
 use crate::fit::experiment::Experiment;
 use crate::problem::segment::{InputErrors, Noise, Segment};
 use nalgebra::{DMatrix, DVector};
+use poinsot_spatial::Vector3;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -152,13 +153,14 @@ fn errors(
             (0..n).map(at).collect()
         }
         InputErrors::Process(process) => {
-            let [a, b] = process.initial_root();
-            let mut now = a * normal(random) + b * normal(random);
-            let mut all = vec![now.into()];
+            let mut drawn = |root: [Vector3; 3]| -> Vector3 {
+                root.into_iter().map(|column| column * normal(random)).sum()
+            };
+            let mut now = drawn(process.initial_root());
+            let mut all = vec![[now.x, now.y]];
             for step in &process.steps {
-                let [a, b] = step.root();
-                now = step.memory * now + a * normal(random) + b * normal(random);
-                all.push(now.into());
+                now = step.memory * now + drawn(step.root());
+                all.push([now.x, now.y]);
             }
             all.resize(n, [0.0; 2]);
             all
@@ -186,7 +188,7 @@ mod tests {
     use super::*;
     use crate::problem::error_process::{ErrorProcess, ErrorStep};
     use crate::problem::segment::BetweenReadings;
-    use nalgebra::Matrix2;
+    use nalgebra::Matrix3;
 
     /// Errors have the variance and the correlation that they stand for.
     #[test]
@@ -197,11 +199,11 @@ mod tests {
             share: 0.5 * (k % 2) as f64,
         });
         let step = ErrorStep {
-            memory: Matrix2::new(0.6, 0.0, 0.0, 0.5),
-            fresh: Matrix2::new(0.64, 0.0, 0.0, 1.0),
+            memory: Matrix3::from_diagonal(&Vector3::new(0.6, 0.5, 0.0)),
+            fresh: Matrix3::from_diagonal(&Vector3::new(0.64, 1.0, 0.0)),
         };
         let process = ErrorProcess {
-            initial: Matrix2::identity(),
+            initial: Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 0.0)),
             steps: vec![step; n - 1],
         };
         // Variance at even and odd times, and covariance from even ones to the next.

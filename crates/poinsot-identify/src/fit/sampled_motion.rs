@@ -1,26 +1,30 @@
-//! The speed of a wheel or the position of a joint, whose slope changes at random, from noisy or rounded samples.
+//! The speed of a wheel or the position of a joint, with changes at random, from noisy or rounded samples.
 //!
-//! Between two changes it is straight, and at each of them its slope changes by a random amount. A sample is the value,
-//! its rounding error and white noise; the rounding error stays in part from sample to sample: `x = [value, slope, rounding]`,
-//! `x' = F x`, at a change `x+ = x + [0, s v, 0]`, at a sample `x+ = diag(1, 1, a) x + [0, 0, q v]`, all v normal. The samples
-//! give the posterior of the whole motion. It is a Markov process itself: with `L` the information that the later samples hold
-//! of the state, a change of component j has the variance `s2 / (1 + s2 L_jj)` and a mean that follows the state (Fraser and
-//! Potter 1969, backward information filter). Its mean is the motion that drives the prediction. The error of value and slope
-//! is taken as a Markov process with their covariances at neighbouring times ([`ErrorProcess`]): exact for white noise.
+//! The slope of a wheel's speed changes at some times and is constant between them. A joint's acceleration changes all along, by white
+//! noise. A sample is the value or the slope, its rounding error and white noise; the rounding error stays in part from sample to
+//! sample. With the state `x = [value, slope, acceleration, rounding]`, `x' = F x` over an interval, `x+ = x + d s v` for each change
+//! along its direction d, and at a sample `x+ = diag(1, 1, 1, a) x + [0, 0, 0, q v]`, all v normal. The samples give the posterior of the whole
+//! motion. It is a Markov process itself: with `L` the information that the later samples hold of the state, a change along d has the
+//! variance `s2 / (1 + s2 d^T L d)` and a mean that follows the state (Fraser and Potter 1969, backward information filter). Its mean is
+//! the motion that drives the prediction. The error of value, slope and acceleration is taken as a Markov process with their
+//! covariances at neighbouring times ([`ErrorProcess`]): exact for white noise.
 //!
-//! The slope of a joint's position changes all along an interval h instead, by white noise of density q. Value and slope then have
-//! the covariance `q [h^3 / 3, h^2 / 2; h^2 / 2, h]`: that of a change of slope in the middle and one of the value alone.
+//! White noise of the third derivative, of density q over an interval h, is three changes at its end: the columns of the root of the
+//! covariance `q [h^5/20, h^4/8, h^3/6; h^4/8, h^3/3, h^2/2; h^3/6, h^2/2, h]`.
 
 use crate::problem::error_process::{ErrorProcess, ErrorStep};
 use crate::problem::segment::RateParts;
-use nalgebra::{Matrix2, Matrix3, Vector3};
+use nalgebra::{Matrix3, Matrix4, Vector4};
 
 /// Components of the state.
 const VALUE: usize = 0;
 const SLOPE: usize = 1;
-const ROUNDING: usize = 2;
-/// How much wider than the samples and changes say the value and slope are before them.
+const ACCELERATION: usize = 2;
+const ROUNDING: usize = 3;
+/// How much wider than the samples and changes say the value and slope of a wheel are before them.
 const DIFFUSE: f64 = 1.0e3;
+/// The same of the motion of a joint, relative to the range of its samples.
+const RANGES: f64 = 30.0;
 /// White noise beside a rounding error, over its variance: keeps what a sample tells finite.
 const WHITE: f64 = 1.0e-3;
 /// Degrees of freedom of the changes: most are small, as between two manoeuvres, and some large. Measured: docs/validation/pyramid.md.
@@ -31,7 +35,8 @@ pub(crate) const SHARED: usize = 4;
 const RENEWALS: usize = 20;
 /// Relative accuracy of the size of the changes.
 const ACCURACY: f64 = 0.02;
-/// Range of that size: slopes that move the value by this share of the noise between changes, and by this multiple of it.
+/// Range of that size: changes that move the value by this share of the noise until the next one, or of a joint until the end, and by this
+/// multiple of it until the next one.
 const RANGE: [f64; 2] = [1.0e-3, 1.0e4];
 
 /// One sample of an input: a wheel's speed, rad/s, or a joint's position, rad or m.
@@ -83,10 +88,10 @@ impl InputSample {
     }
 
     /// The row that it reads of the state, and what it reads beyond the level.
-    fn of_state(&self, level: f64) -> (Vector3<f64>, f64) {
+    fn of_state(&self, level: f64) -> (Vector4<f64>, f64) {
         match self.of_slope {
-            true => (Vector3::new(0.0, 1.0, 0.0), self.value),
-            false => (Vector3::new(1.0, 0.0, 1.0), self.value - level),
+            true => (Vector4::new(0.0, 1.0, 0.0, 0.0), self.value),
+            false => (Vector4::new(1.0, 0.0, 0.0, 1.0), self.value - level),
         }
     }
 
@@ -101,14 +106,15 @@ impl InputSample {
     }
 }
 
-/// Samples of an input on a grid, and when its slope changes.
+/// Samples of an input on a grid, and when its motion changes.
 pub(crate) struct InputSamples<'a> {
     pub time_s: &'a [f64],
-    /// Standard deviation of the change of slope before each grid time, over that of a plain one; zero where it does not change.
+    /// Standard deviation of the change before each grid time, of the slope or, where it changes all along, of the acceleration, over that
+    /// of a plain one; zero where there is none.
     pub changes: &'a [f64],
-    /// Whether it changes all along the interval before a grid time, by white noise, instead of at its end.
+    /// Whether the acceleration changes all along the interval before a grid time, by white noise, instead of the slope at its end.
     pub all_along: bool,
-    /// In order of time, at most one at a grid time.
+    /// In order of time, at most one value at a grid time.
     pub samples: &'a [InputSample],
 }
 
@@ -120,15 +126,15 @@ pub(crate) struct InputPosterior {
     pub errors: ErrorProcess,
     /// -2 ln of the probability density of the samples, less a constant.
     pub deviance: f64,
-    /// Mean square of the change before every grid time.
+    /// Mean square of the changes before every grid time, their sum.
     squares: Vec<f64>,
 }
 
 /// What later samples hold of the state: -2 ln of their density is `x^T L x - 2 eta^T x` and a constant.
 #[derive(Default)]
 struct Information {
-    L: Matrix3<f64>,
-    eta: Vector3<f64>,
+    L: Matrix4<f64>,
+    eta: Vector4<f64>,
     log_det: f64,
 }
 
@@ -139,17 +145,17 @@ impl Information {
         self.eta += h * (value / sample.white);
     }
 
-    /// Goes back over a normal change of one component with this variance: what the later samples make of it.
-    fn before_change(&mut self, of: usize, variance: f64) -> Change {
-        let unit = 1.0 + variance * self.L[(of, of)];
+    /// Goes back over a normal change along a direction with this variance: what the later samples make of it.
+    fn before_change(&mut self, along: Vector4<f64>, variance: f64) -> Change {
+        let held = self.L * along;
+        let unit = 1.0 + variance * along.dot(&held);
         let own = variance / unit;
-        let held: Vector3<f64> = self.L.column(of).into();
-        let mean = own * self.eta[of];
+        let mean = own * along.dot(&self.eta);
         self.eta -= held * mean;
         self.L -= held * held.transpose() * own;
         self.log_det += unit.ln();
         Change {
-            of,
+            along,
             own,
             mean,
             follows: -held * own,
@@ -158,9 +164,9 @@ impl Information {
 
     /// Goes back over an interval without a change.
     fn before_line(&mut self, h: f64) {
-        self.eta[SLOPE] += h * self.eta[VALUE];
-        add_row(&mut self.L, (VALUE, SLOPE), h);
-        add_column(&mut self.L, (VALUE, SLOPE), h);
+        let line = line(h);
+        self.eta = line.tr_mul(&self.eta);
+        self.L = line.tr_mul(&self.L) * line;
     }
 
     /// Goes back over a rounding error of which this share stays.
@@ -171,88 +177,80 @@ impl Information {
     }
 }
 
-/// Adds a multiple of one row to another one.
-fn add_row(m: &mut Matrix3<f64>, (from, to): (usize, usize), factor: f64) {
-    (0..3).for_each(|j| m[(to, j)] += factor * m[(from, j)]);
+/// The way of the state over an interval without a change.
+fn line(h: f64) -> Matrix4<f64> {
+    let mut line = Matrix4::identity();
+    line[(VALUE, SLOPE)] = h;
+    line[(VALUE, ACCELERATION)] = 0.5 * h * h;
+    line[(SLOPE, ACCELERATION)] = h;
+    line
 }
 
-fn add_column(m: &mut Matrix3<f64>, (from, to): (usize, usize), factor: f64) {
-    (0..3).for_each(|i| m[(i, to)] += factor * m[(i, from)]);
-}
-
-/// A change of one component, given the state before it: normal about `mean + follows . x`.
+/// A change along a direction of the state, given the state before it: normal about `mean + follows . x`.
 struct Change {
-    of: usize,
+    along: Vector4<f64>,
     own: f64,
     mean: f64,
-    follows: Vector3<f64>,
+    follows: Vector4<f64>,
 }
 
 impl Change {
     /// The mean change; the state goes with it.
-    fn along(&self, x: &mut Vector3<f64>) -> f64 {
+    fn along(&self, x: &mut Vector4<f64>) -> f64 {
         let change = self.mean + self.follows.dot(x);
-        x[self.of] += change;
+        *x += self.along * change;
         change
     }
 
     /// What follows the state, of a covariance with an earlier one.
-    fn follow(&self, with_earlier: &mut Matrix3<f64>) {
-        let row = self.follows.transpose() * *with_earlier;
-        (0..3).for_each(|j| with_earlier[(self.of, j)] += row[j]);
+    fn follow(&self, with_earlier: &mut Matrix4<f64>) {
+        *with_earlier += self.along * with_earlier.tr_mul(&self.follows).transpose();
     }
 
     /// The covariance of the state after it; the variance of the change.
-    fn spread(&self, P: &mut Matrix3<f64>) -> f64 {
+    fn spread(&self, P: &mut Matrix4<f64>) -> f64 {
         let with_state = *P * self.follows;
         let variance = self.own + self.follows.dot(&with_state);
-        for j in 0..3 {
-            P[(self.of, j)] += with_state[j];
-            P[(j, self.of)] += with_state[j];
-        }
-        P[(self.of, self.of)] += variance;
+        let cross = self.along * with_state.transpose();
+        *P += cross + cross.transpose() + self.along * self.along.transpose() * variance;
         variance
     }
 }
 
-/// From one grid time to the next: straight lines before and after a change of slope, their lengths, and how far the value is off
-/// them where the slope changes all along; with a sample, what stays and is new of the rounding error.
+/// From one grid time to the next: its length and the changes at its end, in the order in which they are gone back over; with a sample,
+/// what stays and is new of the rounding error.
 struct Interval {
-    before: f64,
-    slope: Change,
-    after: f64,
-    bend: Option<Change>,
+    h: f64,
+    changes: [Option<Change>; 3],
     rounding: Option<(f64, Change)>,
 }
 
 impl Interval {
-    /// The mean state at its end; the mean changes of slope, value and rounding error.
-    fn along(&self, x: &mut Vector3<f64>) -> [f64; 3] {
-        x[VALUE] += self.before * x[SLOPE];
-        let slope = self.slope.along(x);
-        x[VALUE] += self.after * x[SLOPE];
-        let bend = self.bend.as_ref().map(|bend| bend.along(x));
+    /// The changes in the order of time.
+    fn changes(&self) -> impl Iterator<Item = &Change> {
+        self.changes.iter().rev().flatten()
+    }
+
+    /// The mean state at its end; the sum of squares of the mean changes, and the mean change of the rounding error.
+    fn along(&self, x: &mut Vector4<f64>) -> [f64; 2] {
+        *x = line(self.h) * *x;
+        let squares = self.changes().map(|change| change.along(x).powi(2)).sum();
         let rounding = self.rounding.as_ref().map(|(memory, change)| {
             x[ROUNDING] *= memory;
             change.along(x)
         });
-        [slope, bend.unwrap_or(0.0), rounding.unwrap_or(0.0)]
+        [squares, rounding.unwrap_or(0.0)]
     }
 
-    /// From the covariance at its start: that of both ends, at its end, and the variance of the change of slope.
-    fn spread(&self, P: &Matrix3<f64>) -> (Matrix3<f64>, Matrix3<f64>, f64) {
-        let (mut together, mut after) = (*P, *P);
-        add_row(&mut together, (SLOPE, VALUE), self.before);
-        add_row(&mut after, (SLOPE, VALUE), self.before);
-        add_column(&mut after, (SLOPE, VALUE), self.before);
-        self.slope.follow(&mut together);
-        let variance = self.slope.spread(&mut after);
-        add_row(&mut together, (SLOPE, VALUE), self.after);
-        add_row(&mut after, (SLOPE, VALUE), self.after);
-        add_column(&mut after, (SLOPE, VALUE), self.after);
-        if let Some(bend) = &self.bend {
-            bend.follow(&mut together);
-            bend.spread(&mut after);
+    /// From the covariance at its start: that of both ends, at its end, and the variance of all changes.
+    fn spread(&self, P: &Matrix4<f64>) -> (Matrix4<f64>, Matrix4<f64>, f64) {
+        let line = line(self.h);
+        let mut together = line * P;
+        let mut after = together * line.transpose();
+        let mut variance = 0.0;
+        for change in self.changes() {
+            change.follow(&mut together);
+            variance += change.spread(&mut after);
         }
         if let Some((memory, change)) = &self.rounding {
             together.row_mut(ROUNDING).scale_mut(*memory);
@@ -268,8 +266,8 @@ impl Interval {
 /// The state at the first grid time, and the way from there.
 struct Start {
     level: f64,
-    mean: Vector3<f64>,
-    covariance: Matrix3<f64>,
+    mean: Vector4<f64>,
+    covariance: Matrix4<f64>,
     intervals: Vec<Interval>,
     deviance: f64,
 }
@@ -285,18 +283,12 @@ impl InputSamples<'_> {
     fn start(&self, sizes: &[f64]) -> Option<Start> {
         let level = self.samples.iter().find(|s| !s.of_slope)?.value;
         let (held, intervals) = self.backward(sizes, level);
-        let span = self.time_s.last()? - self.time_s.first()?;
-        let largest = sizes.iter().fold(0.0, |a: f64, b| a.max(*b));
-        let wide = DIFFUSE * (self.noise()? + largest * span);
-        let first = self.samples.iter().take_while(|s| s.at == 0);
-        let rounding = first.map(|s| s.rounding).sum();
-        let prior = Vector3::new(wide.powi(2), (wide / span).powi(2), rounding);
-        let P = Matrix3::from_diagonal(&prior);
-        let unit = Matrix3::identity() + P * held.L;
-        let covariance = unit.try_inverse()? * P;
-        let covariance = (covariance + covariance.transpose()) * 0.5;
+        let sigmas = self.before_samples(sizes)?;
+        let D = Matrix4::from_diagonal(&sigmas);
+        let unit = (Matrix4::identity() + D * held.L * D).cholesky()?;
+        let covariance = D * unit.inverse() * D;
         let mean = covariance * held.eta;
-        let squares = self.squares(level, mean, &intervals, (sizes, &prior));
+        let squares = self.squares(level, mean, &intervals, (sizes, &sigmas));
         Some(Start {
             level,
             mean,
@@ -304,6 +296,42 @@ impl InputSamples<'_> {
             intervals,
             deviance: held.log_det + unit.determinant().ln() + squares,
         })
+    }
+
+    /// Standard deviations of the first state before the samples.
+    fn before_samples(&self, sizes: &[f64]) -> Option<Vector4<f64>> {
+        let span = self.time_s.last()? - self.time_s.first()?;
+        let first = self.samples.iter().take_while(|s| s.at == 0);
+        let rounding = first.map(|s| s.rounding).sum::<f64>().sqrt();
+        if !self.all_along {
+            let largest = sizes.iter().fold(0.0, |a: f64, b| a.max(*b));
+            let wide = DIFFUSE * (self.noise()? + largest * span);
+            return Some(Vector4::new(wide, wide / span, 0.0, rounding));
+        }
+        let values = self.samples.iter().filter(|s| !s.of_slope);
+        let values: Vec<f64> = values.map(|s| s.value).collect();
+        let [least, most] = [f64::min, f64::max].map(|of| values.iter().copied().reduce(of));
+        let wide = RANGES * (self.noise()? + most? - least?);
+        let rate = values.len() as f64 / span;
+        Some(Vector4::new(
+            wide,
+            wide * rate,
+            wide * rate * rate,
+            rounding,
+        ))
+    }
+
+    /// Directions of the changes at the end of an interval.
+    fn directions(&self, h: f64) -> [Option<Vector4<f64>>; 3] {
+        if !self.all_along {
+            return [Some(Vector4::new(0.0, 1.0, 0.0, 0.0)), None, None];
+        }
+        [
+            [h * h / 6.0, 0.5 * h, 1.0],
+            [h * h / 48.0_f64.sqrt(), h / 12.0_f64.sqrt(), 0.0],
+            [h * h / 720.0_f64.sqrt(), 0.0, 0.0],
+        ]
+        .map(|[value, slope, own]| Some(Vector4::new(value, slope, own, 0.0)))
     }
 
     /// The posterior with the standard deviation of a plain change at each grid time; `None` without samples.
@@ -316,31 +344,26 @@ impl InputSamples<'_> {
         let n = self.time_s.len();
         let mut samples = self.samples.iter().rev().peekable();
         let mut held = Information::default();
+        let rounds = Vector4::new(0.0, 0.0, 0.0, 1.0);
         let mut intervals = Vec::with_capacity(n - 1);
         for k in (1..n).rev() {
             let mut rounding = None;
             while let Some(sample) = samples.next_if(|s| s.at == k) {
                 held.take(sample, level);
                 if !sample.of_slope {
-                    let change = held.before_change(ROUNDING, sample.fresh());
+                    let change = held.before_change(rounds, sample.fresh());
                     held.before_fading(sample.memory);
                     rounding = Some((sample.memory, change));
                 }
             }
             let h = self.time_s[k] - self.time_s[k - 1];
-            let size = sizes[k] * self.changes[k];
-            let bend = self
-                .all_along
-                .then(|| held.before_change(VALUE, (size * h).powi(2) / 12.0));
-            let after = if self.all_along { 0.5 * h } else { 0.0 };
-            held.before_line(after);
-            let slope = held.before_change(SLOPE, size * size);
-            held.before_line(h - after);
+            let variance = (sizes[k] * self.changes[k]).powi(2);
+            let directions = self.directions(h);
+            let changes = directions.map(|d| d.map(|d| held.before_change(d, variance)));
+            held.before_line(h);
             intervals.push(Interval {
-                before: h - after,
-                slope,
-                after,
-                bend,
+                h,
+                changes,
                 rounding,
             });
         }
@@ -353,33 +376,30 @@ impl InputSamples<'_> {
     fn squares(
         &self,
         level: f64,
-        first: Vector3<f64>,
+        first: Vector4<f64>,
         intervals: &[Interval],
-        (sizes, prior): (&[f64], &Vector3<f64>),
+        (sizes, sigmas): (&[f64], &Vector4<f64>),
     ) -> f64 {
-        let over = |x: f64, variance: f64| {
-            if variance > 0.0 {
-                x * x / variance
-            } else {
-                0.0
-            }
+        let over = |square: f64, variance: f64| match variance > 0.0 {
+            true => square / variance,
+            false => 0.0,
         };
         let mut samples = self.samples.iter().peekable();
-        let mut sum: f64 = (0..3).map(|j| over(first[j], prior[j])).sum();
+        let mut sum: f64 = (0..4)
+            .map(|j| over(first[j].powi(2), sigmas[j].powi(2)))
+            .sum();
         let mut x = first;
         for (k, size) in sizes.iter().enumerate() {
             let mut rounding = 0.0;
             if let Some(interval) = k.checked_sub(1).and_then(|before| intervals.get(before)) {
-                let changes = interval.along(&mut x);
-                rounding = changes[2];
-                let square = (size * self.changes[k]).powi(2);
-                let h = self.time_s[k] - self.time_s[k - 1];
-                sum += over(changes[0], square) + over(changes[1], square * h * h / 12.0);
+                let squares;
+                [squares, rounding] = interval.along(&mut x);
+                sum += over(squares, (size * self.changes[k]).powi(2));
             }
             while let Some(sample) = samples.next_if(|s| s.at == k) {
                 let (h, value) = sample.of_state(level);
-                sum += over(rounding, sample.fresh());
-                sum += over(value - h.dot(&x), sample.white);
+                sum += over(rounding.powi(2), sample.fresh());
+                sum += over((value - h.dot(&x)).powi(2), sample.white);
             }
         }
         sum
@@ -394,11 +414,21 @@ impl InputSamples<'_> {
     fn most_probable_size(&self) -> Option<f64> {
         let count = self.changes.iter().filter(|c| **c > 0.0).count().max(1);
         let span = self.time_s.last()? - self.time_s.first()?;
-        let unit = self.noise()? * count as f64 / span;
+        let (noise, rate) = (self.noise()?, count as f64 / span);
         let slopes = self.samples.iter().filter(|s| s.of_slope);
         let slopes = slopes.map(|s| s.white.sqrt()).reduce(f64::min);
-        let other = slopes.unwrap_or(unit);
-        let range = [RANGE[0] * unit.min(other), RANGE[1] * unit.max(other)];
+        let [slow, fast] = match self.all_along {
+            // The slope that a change makes, over the time until the end and until the next one.
+            true => [span.recip(), rate].map(|rate| {
+                let slopes = slopes.unwrap_or(noise * rate);
+                [
+                    (noise * rate * rate).min(slopes * rate),
+                    (noise * rate * rate).max(slopes * rate),
+                ]
+            }),
+            false => [[noise * rate; 2]; 2],
+        };
+        let range = [RANGE[0] * slow[0], RANGE[1] * fast[1]];
         let cost = |log: f64| {
             let found = self.start(&vec![log.exp(); self.time_s.len()]);
             found.map_or(f64::INFINITY, |start| start.deviance)
@@ -415,7 +445,8 @@ impl InputSamples<'_> {
         let places = self.changes.iter().enumerate().skip(1);
         let places: Vec<usize> = places.filter(|(_, c)| **c > 0.0).map(|(k, _)| k).collect();
         for _ in 0..RENEWALS {
-            let square = |k: &usize| found.squares[*k] / self.changes[*k].powi(2);
+            let of = if self.all_along { 3.0 } else { 1.0 };
+            let square = |k: &usize| found.squares[*k] / (of * self.changes[*k].powi(2));
             let own: Vec<f64> = places.iter().map(square).collect();
             let width = |i: usize| {
                 let near = i.saturating_sub(SHARED)..(i + SHARED + 1).min(own.len());
@@ -436,18 +467,15 @@ impl InputSamples<'_> {
 /// The motion from its first state on.
 fn forward(start: Start) -> InputPosterior {
     let (mut x, mut P) = (start.mean, start.covariance);
-    let initial = value_and_slope(&P);
+    let initial = motion(&P);
     let mut value = vec![start.level + x[VALUE]];
     let mut slope = vec![x[SLOPE]];
     let mut squares = vec![0.0];
     let mut steps = Vec::with_capacity(start.intervals.len());
     for interval in &start.intervals {
         let (together, after, variance) = interval.spread(&P);
-        let [mean, ..] = interval.along(&mut x);
-        squares.push(mean.powi(2) + variance);
-        steps.push(ErrorStep::between(
-            [&P, &together, &after].map(value_and_slope),
-        ));
+        squares.push(interval.along(&mut x)[0] + variance);
+        steps.push(ErrorStep::between([&P, &together, &after].map(motion)));
         P = after;
         value.push(start.level + x[VALUE]);
         slope.push(x[SLOPE]);
@@ -461,8 +489,9 @@ fn forward(start: Start) -> InputPosterior {
     }
 }
 
-fn value_and_slope(P: &Matrix3<f64>) -> Matrix2<f64> {
-    P.fixed_view::<2, 2>(0, 0).into_owned()
+/// The part of value, slope and acceleration.
+fn motion(P: &Matrix4<f64>) -> Matrix3<f64> {
+    P.fixed_view::<3, 3>(0, 0).into_owned()
 }
 
 /// The samples with correlated errors, where some in a row are equal: they are rounded, and the mean of a run is known as well as
@@ -481,8 +510,8 @@ pub(crate) fn rounded(samples: &[InputSample]) -> Option<Vec<InputSample>> {
     all.iter().any(|s| s.memory > 0.0).then_some(all)
 }
 
-/// The motion of a joint between noisy samples of its position and, where they are measured, of its rate: its acceleration is taken
-/// as white noise, of a size that the samples determine (a smoothing spline: Wahba 1978).
+/// The motion of a joint between noisy samples of its position and, where they are measured, of its rate: its acceleration is
+/// taken to change by white noise, of a size that the samples determine (a smoothing spline of fifth degree: Wahba 1978).
 #[derive(Debug, Clone)]
 pub struct JointMotion {
     /// Mean position at every grid time, rad or m.
@@ -667,6 +696,92 @@ mod tests {
                 cross = step.memory * cross;
             }
         }
+    }
+
+    /// The same of a joint, whose third derivative is white noise, from positions and rates: means and covariances of neighbouring times of
+    /// position, rate and acceleration.
+    #[test]
+    fn exact_the_posterior_of_a_joint_is_that_of_the_dense_normal_distribution() {
+        let time_s = [0.0_f64, 0.4, 0.5, 0.9, 1.3, 1.5, 2.1, 2.5];
+        let (change, typical) = (0.7_f64, 2.5_f64 / 7.0);
+        let intervals = time_s.windows(2).map(|w| ((w[1] - w[0]) / typical).sqrt());
+        let changes: Vec<f64> = std::iter::once(0.0).chain(intervals).collect();
+        let samples: Vec<InputSample> = vec![
+            InputSample::white(0, 3.0, 0.01),
+            InputSample::slope(0, 0.2, 0.04),
+            InputSample::white(1, 3.2, 0.01),
+            InputSample::slope(2, 0.5, 0.04),
+            InputSample::white(3, 3.9, 0.01),
+            InputSample::white(5, 3.8, 0.01),
+            InputSample::slope(6, -0.4, 0.04),
+            InputSample::white(7, 2.9, 0.01),
+        ];
+        let all = InputSamples {
+            time_s: &time_s,
+            changes: &changes,
+            all_along: true,
+            samples: &samples,
+        };
+        let found = all.posterior(&[change; 8]).unwrap();
+        let prior = all.before_samples(&[change; 8]).unwrap();
+        // Of two derivatives of the value, at two times: what each change of the acceleration before them moves, by Simpson's rule.
+        let moved = |order: usize, t: f64| match order {
+            0 => 0.5 * t * t,
+            1 => t,
+            _ => 1.0,
+        };
+        let covariance = |(a, s): (usize, f64), (b, t): (usize, f64)| {
+            let n = 2000;
+            let h = s.min(t) / f64::from(n);
+            let at = |u: f64| moved(a, s - u) * moved(b, t - u);
+            let weight = |k: i32| f64::from([2, 4][(k % 2) as usize]);
+            let inner: f64 = (1..n).map(|k| weight(k) * at(f64::from(k) * h)).sum();
+            let noise = (at(0.0) + inner + at(s.min(t))) * h / 3.0 * change * change / typical;
+            let start = |order: usize, t: f64| {
+                [[1.0, t, 0.5 * t * t], [0.0, 1.0, t], [0.0, 0.0, 1.0]][order]
+            };
+            let (x, y) = (start(a, s), start(b, t));
+            noise + (0..3).map(|i| x[i] * y[i] * prior[i].powi(2)).sum::<f64>()
+        };
+        let of = |s: &InputSample| (usize::from(s.of_slope), time_s[s.at]);
+        let n = samples.len();
+        let C = DMatrix::from_fn(n, n, |i, j| {
+            let white = if i == j { samples[i].white } else { 0.0 };
+            covariance(of(&samples[i]), of(&samples[j])) + white
+        });
+        let y = samples.iter().map(|s| s.of_state(3.0).1);
+        let y = DVector::from_iterator(n, y);
+        let weights = C.clone().try_inverse().unwrap();
+        let toward = |x: (usize, f64)| {
+            DVector::from_iterator(n, samples.iter().map(|s| covariance(x, of(s))))
+        };
+        let left = |a: (usize, f64), b: (usize, f64)| {
+            covariance(a, b) - toward(a).dot(&(&weights * toward(b)))
+        };
+        // The dense inverse is that much off: the start is a thousand times wider than what is left.
+        const EQUAL: f64 = 1.0e-2;
+        let mut P = found.errors.initial;
+        for (k, step) in found.errors.steps.iter().enumerate() {
+            let mean = |order: usize| toward((order, time_s[k])).dot(&(&weights * &y));
+            let sigma = |order: usize| left((order, time_s[k]), (order, time_s[k])).sqrt();
+            assert!(
+                (found.value[k] - 3.0 - mean(0)).abs() < EQUAL * sigma(0),
+                "{k}"
+            );
+            assert!((found.slope[k] - mean(1)).abs() < EQUAL * sigma(1), "{k}");
+            let onward = step.memory * P;
+            for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
+                let unit = sigma(i) * sigma(j);
+                let here = left((i, time_s[k]), (j, time_s[k]));
+                assert!((P[(i, j)] - here).abs() < EQUAL * unit, "{k} {i} {j}");
+                let there = left((i, time_s[k + 1]), (j, time_s[k]));
+            }
+            P = step.memory * P * step.memory.transpose() + step.fresh;
+        }
+        let white: f64 = samples.iter().map(|s| s.white.ln()).sum();
+        let expected = C.determinant().ln() - white + y.dot(&(weights * &y));
+        let off = (found.deviance - expected).abs();
+        assert!(off < 1.0e-5 * expected.abs(), "{off}");
     }
 
     /// Noisy and rounded readings of smooth motions: position and rate err by what is stated.

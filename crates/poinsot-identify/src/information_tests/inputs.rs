@@ -14,7 +14,7 @@ use crate::problem::segment::{
     SensorValue,
 };
 use crate::sensors::ideal_measurement;
-use nalgebra::{Matrix2, Matrix3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use poinsot_dynamics::Tree;
 use poinsot_dynamics::propagation::PoseMomentum;
 use poinsot_model::{SensorKind, SlowError, parse_model};
@@ -368,8 +368,8 @@ fn correlation(errors: &InputErrors, i: usize, j: usize) -> f64 {
     common.map(|(a, b)| a.1 * b.1).sum()
 }
 
-/// Covariance of value and slope at one grid time with those at another one.
-fn covariance(process: &ErrorProcess, i: usize, j: usize) -> Matrix2<f64> {
+/// Covariance of value, slope and its slope at one grid time with those at another one.
+fn covariance(process: &ErrorProcess, i: usize, j: usize) -> Matrix3<f64> {
     let (first, last) = (i.min(j), i.max(j));
     let along = |P, s: &ErrorStep| s.memory * P * s.memory.transpose() + s.fresh;
     let here = process.steps[..first].iter().fold(process.initial, along);
@@ -393,14 +393,15 @@ fn of_variance(errors: &InputErrors, variance: f64) -> InputErrors {
     })
 }
 
-/// A speed whose error moves with that of its slope, new in both at every third grid time.
+/// A speed whose error moves with those of its slope and of the slope of that, new in all at every third grid time.
 fn process() -> InputErrors {
     let step = |k: usize| ErrorStep {
-        memory: Matrix2::new(0.9, 0.3, -0.2, 0.8),
-        fresh: Matrix2::new(0.2, 0.05, 0.05, 0.3) * f64::from(u8::from(k.is_multiple_of(3))),
+        memory: Matrix3::new(0.9, 0.3, 0.1, -0.2, 0.8, -0.1, 0.05, -0.1, 0.7),
+        fresh: Matrix3::new(0.2, 0.05, 0.02, 0.05, 0.3, 0.1, 0.02, 0.1, 0.2)
+            * f64::from(u8::from(k.is_multiple_of(3))),
     };
     InputErrors::Process(ErrorProcess {
-        initial: Matrix2::new(1.0, -0.3, -0.3, 0.5),
+        initial: Matrix3::new(1.0, -0.3, 0.1, -0.3, 0.5, 0.1, 0.1, 0.1, 0.4),
         steps: (0..200).map(step).collect(),
     })
 }

@@ -37,7 +37,7 @@ use crate::motion::{Column, Instant, Matrix6x12, Motion, State, matrix, pose_cha
 use crate::problem::error_process::{ErrorProcess, ErrorStep};
 use crate::problem::segment::{InputErrors, Noise, Observations, Segment, SensorRecord};
 use filter::Filter;
-use nalgebra::{DMatrix, Matrix2, Vector2};
+use nalgebra::{DMatrix, Matrix3 as Square, Vector3 as Errors};
 use poinsot_dynamics::propagation::{FlexibleChange, INTERNAL, ModeRows, STATE};
 use poinsot_dynamics::{JointSlopes, SlowError};
 use poinsot_model::{RandomTorque, SensorKind};
@@ -64,8 +64,8 @@ fn add_internal(modes: &ModeRows, x: &Column, out: &mut Column) {
 enum Input {
     Joint(usize),
     Wheel(usize),
-    /// The slope of a wheel's speed, whose error moves that of the speed, the input before it.
-    WheelSlope,
+    /// A slope that nothing depends on, of a wheel's speed or of a joint's rate, whose error moves that of the input before it.
+    Slope,
     /// A joint's rate, in a process with the position, the input before it.
     Rate(usize),
 }
@@ -75,10 +75,10 @@ enum Input {
 enum Memory {
     /// By itself.
     Alone(InputErrors),
-    /// Together with the next one.
-    Pair(ErrorProcess),
-    /// The second of a pair.
-    Second,
+    /// Together with those that follow.
+    Process(ErrorProcess),
+    /// One of these.
+    Follows,
 }
 
 impl Memory {
@@ -86,13 +86,13 @@ impl Memory {
     fn alone(&self, k: usize) -> f64 {
         match self {
             Self::Alone(errors) => errors.memory(k),
-            Self::Pair(_) | Self::Second => 0.0,
+            Self::Process(_) | Self::Follows => 0.0,
         }
     }
 
-    fn pair(&self) -> Option<&ErrorProcess> {
+    fn process(&self) -> Option<&ErrorProcess> {
         match self {
-            Self::Pair(process) => Some(process),
+            Self::Process(process) => Some(process),
             _ => None,
         }
     }
@@ -179,10 +179,12 @@ fn separate(input: Input, errors: InputErrors) -> Vec<(Input, Memory, Vec<f64>)>
         InputErrors::Process(process) => {
             let slope = match input {
                 Input::Joint(joint) => Input::Rate(joint),
-                _ => Input::WheelSlope,
+                _ => Input::Slope,
             };
-            let value = (input, Memory::Pair(process), Vec::new());
-            return vec![value, (slope, Memory::Second, Vec::new())];
+            let slopes = [slope, Input::Slope].into_iter().take(process.width() - 1);
+            let slopes = slopes.map(|slope| (slope, Memory::Follows, Vec::new()));
+            let value = (input, Memory::Process(process), Vec::new());
+            return std::iter::once(value).chain(slopes).collect();
         }
         errors => return vec![(input, Memory::Alone(errors), Vec::new())],
     };
@@ -349,7 +351,7 @@ impl InputNoise {
                 match *input {
                     Input::Joint(j) => o.joint_position[k * dof + j] += error,
                     Input::Wheel(w) => o.wheel_speed[k * wheels + w] += error * self.share(c, k),
-                    Input::Rate(_) | Input::WheelSlope => {}
+                    Input::Rate(_) | Input::Slope => {}
                 }
             }
         }
@@ -399,7 +401,7 @@ impl InputNoise {
         match self.before.take() {
             None => {
                 self.begin(&now);
-                self.begin_pairs(&now);
+                self.begin_processes(&now);
                 self.renew_slow(SlowError::first);
             }
             Some(before) => {
@@ -465,7 +467,7 @@ impl InputNoise {
                     let none = FlexibleChange::of_twist(Vector6::zeros());
                     (motion.followed(at, &gain, None), none)
                 }
-                Input::WheelSlope => {
+                Input::Slope => {
                     at_once.push(Column::zeros());
                     drive.push(Column::zeros());
                     continue;
@@ -523,7 +525,7 @@ impl InputNoise {
                 let first_moment = &self.slopes.of[*j].first_moment;
                 (dF, dT) = motion.wrench_change(state, instant, k, *j, first_moment);
             }
-            if !matches!(input, Input::Rate(_) | Input::WheelSlope) {
+            if !matches!(input, Input::Rate(_) | Input::Slope) {
                 let dw = self.twists[self.place(c, 0)].fixed_rows::<3>(3).into();
                 dT += motion.drag_change(state, instant, &dw);
             }
@@ -570,13 +572,13 @@ impl InputNoise {
         }
     }
 
-    /// The same of errors that go on in pairs.
-    fn begin_pairs(&mut self, now: &DynamicsJacobian) {
+    /// The same of errors that go on together.
+    fn begin_processes(&mut self, now: &DynamicsJacobian) {
         let pairs = self.memory.iter().enumerate();
-        for (c, process) in pairs.filter_map(|(c, m)| Some((c, m.pair()?))) {
+        for (c, process) in pairs.filter_map(|(c, m)| Some((c, m.process()?))) {
             let mut fresh = process.initial_root();
             for first in 0..=self.reach {
-                for mut error in fresh {
+                for mut error in fresh.into_iter().filter(|e| *e != Errors::zeros()) {
                     let mut vector = vec![0.0; self.filter.size];
                     if first == 0 {
                         let reached = vector.iter_mut().zip(&self.active);
@@ -586,14 +588,15 @@ impl InputNoise {
                     }
                     for after in first..=self.reach {
                         let at = self.place(c, after as isize);
-                        (vector[at], vector[at + 1]) = (error.x, error.y);
+                        let here = vector[at..].iter_mut().zip(&error);
+                        here.take(process.width()).for_each(|(v, e)| *v = *e);
                         let step = process.steps.get(after);
-                        error = step.map_or_else(Vector2::zeros, |s| s.memory * error);
+                        error = step.map_or_else(Errors::zeros, |s| s.memory * error);
                     }
                     self.filter.add_outer(&vector, 1.0);
                 }
                 let step = process.steps.get(first);
-                fresh = step.map_or([Vector2::zeros(); 2], ErrorStep::root);
+                fresh = step.map_or([Errors::zeros(); 3], ErrorStep::root);
             }
         }
     }
@@ -604,14 +607,12 @@ impl InputNoise {
             let here = self.place(c, at);
             match memory {
                 Memory::Alone(errors) => rows.push([(here, errors.memory(k))]),
-                Memory::Second => {}
-                Memory::Pair(process) => {
-                    let m = process
-                        .steps
-                        .get(k)
-                        .map_or_else(Matrix2::zeros, |s| s.memory);
-                    rows.push([(here, m[(0, 0)]), (here + 1, m[(0, 1)])]);
-                    rows.push([(here, m[(1, 0)]), (here + 1, m[(1, 1)])]);
+                Memory::Follows => {}
+                Memory::Process(process) => {
+                    let step = process.steps.get(k);
+                    let m = step.map_or_else(Square::zeros, |s| s.memory);
+                    let n = process.width();
+                    (0..n).for_each(|i| rows.push((0..n).map(|j| (here + j, m[(i, j)]))));
                 }
             }
         }
@@ -666,18 +667,17 @@ impl InputNoise {
                 }
             });
             let here = self.place(c, 0);
-            let pair = memory.pair().and_then(|p| p.steps.get(k - 1));
-            let alone = (memory.alone(k - 1), 0.0);
-            let (kept, slope) = pair.map_or(alone, |s| (s.memory[(0, 0)], s.memory[(0, 1)]));
+            let process = memory.process().and_then(|p| p.steps.get(k - 1));
+            let alone = [memory.alone(k - 1), 0.0, 0.0];
+            let kept = process.map_or(alone, |s| [0, 1, 2].map(|j| s.memory[(0, j)]));
             for (i, &row) in self.active.iter().enumerate() {
                 upper[i * stride + here] += ends[0](row);
                 if ahead {
                     upper[i * stride + self.place(c, 1)] = ends[1](row);
                     continue;
                 }
-                upper[i * stride + here] += kept * ends[1](row);
-                if slope != 0.0 {
-                    upper[i * stride + here + 1] += slope * ends[1](row);
+                for (j, kept) in kept.iter().enumerate().filter(|(_, kept)| **kept != 0.0) {
+                    upper[i * stride + here + j] += kept * ends[1](row);
                 }
                 fresh.push(ends[1](row));
             }
@@ -774,7 +774,7 @@ impl InputNoise {
             let own = self.place(c, self.reach as isize);
             let at_once = fresh.get(c * reached..(c + 1) * reached).unwrap_or(&[]);
             match &self.memory[c] {
-                Memory::Second => {}
+                Memory::Follows => {}
                 Memory::Alone(errors) => {
                     let new = variance * (1.0 - errors.memory(k).powi(2));
                     if new > 0.0 {
@@ -787,13 +787,15 @@ impl InputNoise {
                         self.filter.add_mean(own, expected);
                     }
                 }
-                Memory::Pair(process) => {
+                Memory::Process(process) => {
                     let step = process.steps.get(k);
-                    for new in step.map_or([Vector2::zeros(); 2], ErrorStep::root) {
+                    let roots = step.map_or([Errors::zeros(); 3], ErrorStep::root);
+                    for new in roots.into_iter().take(process.width()) {
                         vector.fill(0.0);
                         let reaches = vector.iter_mut().zip(at_once);
                         reaches.for_each(|(v, once)| *v = once * new.x);
-                        (vector[own], vector[own + 1]) = (new.x, new.y);
+                        let here = vector[own..].iter_mut().zip(&new);
+                        here.take(process.width()).for_each(|(v, e)| *v = *e);
                         self.filter.add_outer(vector, 1.0);
                     }
                 }

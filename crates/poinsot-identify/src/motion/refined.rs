@@ -6,7 +6,7 @@ use crate::problem::error_process::{ErrorProcess, ErrorStep};
 use crate::problem::segment::{
     BetweenReadings, InputChannel, InputErrors, Observations, RateParts, SensorRecord, SensorSample,
 };
-use nalgebra::Matrix2;
+use nalgebra::Matrix3;
 
 /// Grid times closer than this are one, s.
 pub(crate) const SAME_S: f64 = 1.0e-7;
@@ -177,7 +177,10 @@ fn errors(errors: &InputErrors, places: &[Place], old_s: &[f64]) -> InputErrors 
 /// From place to place: until the end of an interval an error goes on along its slope, and what is new is added there.
 fn step(process: &ErrorProcess, [a, b]: [Place; 2], old_s: &[f64]) -> ErrorStep {
     let h = old_s[a.k + 1] - old_s[a.k];
-    let line = |share: f64| Matrix2::new(1.0, share * h, 0.0, 1.0);
+    let line = |share: f64| {
+        let s = share * h;
+        Matrix3::new(1.0, s, 0.5 * s * s, 0.0, 1.0, s, 0.0, 0.0, 1.0)
+    };
     match process.steps.get(a.k).filter(|_| b.k > a.k) {
         Some(whole) => ErrorStep {
             memory: whole.memory * line(-a.at),
@@ -185,7 +188,7 @@ fn step(process: &ErrorProcess, [a, b]: [Place; 2], old_s: &[f64]) -> ErrorStep 
         },
         None => ErrorStep {
             memory: line(b.at - a.at),
-            fresh: Matrix2::zeros(),
+            fresh: Matrix3::zeros(),
         },
     }
 }

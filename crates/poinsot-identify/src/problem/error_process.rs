@@ -1,12 +1,16 @@
-//! Errors of a wheel's speed and of its slope, or of a joint's position and rate, along the grid of a segment.
+//! Errors of a wheel's speed and of its slope, or of a joint's position, rate and acceleration, along the grid of a segment.
 
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::{Matrix3, Vector3};
 
-/// A Markov process: the errors of an input and of its slope over time, in its unit and per second.
+/// Added to correlations before they are inverted.
+const ROUND_OFF: f64 = 1.0e-13;
+
+/// A Markov process: the errors of an input, of its slope, and of the slope of that over time, in its unit, per second and per second
+/// squared. The last one is zero all along where it has no part in the process.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorProcess {
     /// Covariance at the first grid time.
-    pub initial: Matrix2<f64>,
+    pub initial: Matrix3<f64>,
     /// From every grid time to the next one.
     pub steps: Vec<ErrorStep>,
 }
@@ -14,18 +18,24 @@ pub struct ErrorProcess {
 /// From one grid time to the next one: `e' = memory e + w`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorStep {
-    /// What stays of both errors.
-    pub memory: Matrix2<f64>,
+    /// What stays of the errors.
+    pub memory: Matrix3<f64>,
     /// Covariance of what is new.
-    pub fresh: Matrix2<f64>,
+    pub fresh: Matrix3<f64>,
 }
 
 impl ErrorStep {
     /// The step of errors with this covariance before it, between both times, and after it.
-    pub(crate) fn between([before, together, after]: [Matrix2<f64>; 3]) -> Self {
-        let memory = before
-            .try_inverse()
-            .map_or_else(Matrix2::zeros, |i| together * i);
+    pub(crate) fn between([before, together, after]: [Matrix3<f64>; 3]) -> Self {
+        // In units of the errors before it: their variances are many powers of ten apart.
+        let unit = |v: f64| if v > 0.0 { v.sqrt().recip() } else { 0.0 };
+        let inverse = Matrix3::from_diagonal(&before.diagonal().map(unit));
+        let mut alike = inverse * before * inverse;
+        (0..3).for_each(|i| alike[(i, i)] = 1.0 + ROUND_OFF);
+        let memory = alike.cholesky().map_or_else(Matrix3::zeros, |alike| {
+            let own = together * inverse;
+            alike.solve(&own.transpose()).transpose() * inverse
+        });
         let fresh = after - memory * together.transpose();
         Self {
             memory,
@@ -42,7 +52,7 @@ impl ErrorStep {
     }
 
     /// Columns of a root of the covariance of what is new.
-    pub(crate) fn root(&self) -> [Vector2<f64>; 2] {
+    pub(crate) fn root(&self) -> [Vector3<f64>; 3] {
         root(&self.fresh)
     }
 }
@@ -52,8 +62,8 @@ impl ErrorProcess {
     #[must_use]
     pub fn at_times(&self, kept: &[usize]) -> Self {
         let nothing = ErrorStep {
-            memory: Matrix2::identity(),
-            fresh: Matrix2::zeros(),
+            memory: Matrix3::identity(),
+            fresh: Matrix3::zeros(),
         };
         let over = |from: usize, to: usize| {
             let steps = self.steps.get(from..to).unwrap_or_default();
@@ -61,7 +71,7 @@ impl ErrorProcess {
         };
         let before = over(0, kept.first().copied().unwrap_or(0));
         let initial = ErrorStep {
-            memory: Matrix2::identity(),
+            memory: Matrix3::identity(),
             fresh: self.initial,
         };
         Self {
@@ -71,11 +81,16 @@ impl ErrorProcess {
     }
 
     /// Columns of a root of the covariance at the first grid time.
-    pub(crate) fn initial_root(&self) -> [Vector2<f64>; 2] {
+    pub(crate) fn initial_root(&self) -> [Vector3<f64>; 3] {
         root(&self.initial)
     }
 
-    /// Variances of both errors, the mean over all grid times.
+    /// How many errors it has.
+    pub(crate) fn width(&self) -> usize {
+        if self.initial[(2, 2)] > 0.0 { 3 } else { 2 }
+    }
+
+    /// Variances of the errors of value and slope, the mean over all grid times.
     pub(crate) fn mean_variances(&self) -> [f64; 2] {
         let mut P = self.initial;
         let mut sum = P.diagonal();
@@ -83,7 +98,8 @@ impl ErrorProcess {
             P = step.memory * P * step.memory.transpose() + step.fresh;
             sum += P.diagonal();
         }
-        (sum / (1 + self.steps.len()) as f64).into()
+        let mean = sum / (1 + self.steps.len()) as f64;
+        [mean.x, mean.y]
     }
 
     /// Correlation of the speed's error at a grid time with that at the next one, where the slope's is at its mean.
@@ -95,11 +111,18 @@ impl ErrorProcess {
 }
 
 /// Columns of a lower root of a covariance that may be singular.
-fn root(c: &Matrix2<f64>) -> [Vector2<f64>; 2] {
-    let a = c[(0, 0)].max(0.0).sqrt();
-    let b = if a > 0.0 { c[(1, 0)] / a } else { 0.0 };
-    let rest = (c[(1, 1)] - b * b).max(0.0).sqrt();
-    [Vector2::new(a, b), Vector2::new(0.0, rest)]
+fn root(c: &Matrix3<f64>) -> [Vector3<f64>; 3] {
+    let mut left = *c;
+    [0, 1, 2].map(|j| {
+        let pivot = left[(j, j)].max(0.0).sqrt();
+        let column = if pivot > 0.0 {
+            Vector3::from_fn(|i, _| if i < j { 0.0 } else { left[(i, j)] / pivot })
+        } else {
+            Vector3::zeros()
+        };
+        left -= column * column.transpose();
+        column
+    })
 }
 
 #[cfg(test)]
@@ -111,14 +134,15 @@ mod tests {
     fn exact_a_thinned_process_has_the_covariance_of_the_whole() {
         let step = |k: usize| {
             let h = 0.3 + 0.1 * (k % 3) as f64;
-            let fresh = Matrix2::new(0.2, 0.05, 0.05, 0.1 * k as f64 + 0.1);
+            let fresh = Matrix3::from_diagonal(&Vector3::new(0.2, 0.1 * k as f64 + 0.1, 0.3))
+                + Matrix3::repeat(0.05);
             ErrorStep {
-                memory: Matrix2::new(0.8, h, -0.1, 0.9),
+                memory: Matrix3::new(0.8, h, 0.1, -0.1, 0.9, h, 0.0, 0.1, 0.7),
                 fresh,
             }
         };
         let process = ErrorProcess {
-            initial: Matrix2::new(1.0, 0.2, 0.2, 2.0),
+            initial: Matrix3::new(1.0, 0.2, 0.1, 0.2, 2.0, 0.3, 0.1, 0.3, 1.5),
             steps: (0..9).map(step).collect(),
         };
         let covariance = |p: &ErrorProcess| {
@@ -128,8 +152,8 @@ mod tests {
         let thinned = process.at_times(&[2, 3, 7, 9]);
         assert_eq!(thinned.steps.len(), 3);
         assert!((covariance(&thinned) - covariance(&process)).amax() < 1.0e-12);
-        let [a, b] = root(&process.initial);
-        let back = a * a.transpose() + b * b.transpose();
+        let columns = root(&process.initial).into_iter();
+        let back: Matrix3<f64> = columns.map(|a| a * a.transpose()).sum();
         assert!((back - process.initial).amax() < 1.0e-15);
     }
 }

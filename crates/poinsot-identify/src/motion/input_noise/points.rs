@@ -52,7 +52,7 @@ impl InputNoise {
             let here = self.place(c, 0);
             match *input {
                 Input::Joint(j) => slopes[here] += around.input(Moved::Position(j)),
-                Input::WheelSlope => {}
+                Input::Slope => {}
                 Input::Rate(j) => {
                     slopes[here] += around.input(Moved::Rate(j));
                     let acceleration = around.input(Moved::Acceleration(j));
@@ -83,7 +83,7 @@ impl InputNoise {
         inputs.filter_map(|(c, (input, _))| match *input {
             Input::Joint(j) => Some((self.place(c, 0), j, 1.0, 0.0)),
             Input::Rate(j) => Some((self.place(c, 0), j, 0.0, 1.0)),
-            Input::Wheel(_) | Input::WheelSlope => None,
+            Input::Wheel(_) | Input::Slope => None,
         })
     }
 
