@@ -282,6 +282,7 @@ mod tests {
             rms: 0.0,
             chi2_per_number: None,
             whiteness_p: None,
+            power_p: None,
             octaves: octaves(white, 3, Loss::Gaussian),
         };
         SegmentFit {

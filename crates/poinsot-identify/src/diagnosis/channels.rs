@@ -5,6 +5,7 @@ use crate::fit::Fitted;
 use crate::likelihood::ChannelResidual;
 use poinsot_spatial::Vector3;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
+use std::f64::consts::PI;
 
 /// Probability that a sample of pure noise counts as an outlier.
 const BY_CHANCE: f64 = 1.0e-6;
@@ -70,6 +71,33 @@ pub(crate) fn whiteness(white: &[Vector3], numbers: usize) -> Option<f64> {
     Some(ChiSquared::new(dof).ok()?.sf(q))
 }
 
+/// Probability that white noise as declared has as much power at some frequency: the spectrum by ten lags on each axis, each value as a
+/// chi-square of equal mean and variance (Blackman and Tukey 1958). `None` for short records.
+pub(crate) fn power(white: &[Vector3], numbers: usize) -> Option<f64> {
+    let n = white.len();
+    if n < 4 * WHITENESS_LAGS {
+        return None;
+    }
+    let lags = WHITENESS_LAGS as f64;
+    let mut least = 1.0_f64;
+    for axis in 0..numbers {
+        let product = |k: usize| (0..n - k).map(move |i| white[i][axis] * white[i + k][axis]);
+        let covariance = |k: usize| product(k).sum::<f64>() / n as f64;
+        let all: Vec<f64> = (0..=WHITENESS_LAGS).map(covariance).collect();
+        for at in 0..=WHITENESS_LAGS {
+            let of = |k: usize| match k {
+                0 => 1.0,
+                k => 2.0 * (1.0 - k as f64 / (lags + 1.0)) * (PI * (at * k) as f64 / lags).cos(),
+            };
+            let spectrum: f64 = all.iter().enumerate().map(|(k, c)| of(k) * c).sum();
+            let variance = (0..=WHITENESS_LAGS).map(|k| of(k).powi(2)).sum::<f64>() + 1.0;
+            let dof = 2.0 * n as f64 / variance;
+            least = least.min(ChiSquared::new(dof).ok()?.sf(dof * spectrum.max(0.0)));
+        }
+    }
+    Some((least * numbers as f64 * (lags + 1.0)).min(1.0))
+}
+
 /// Share of the variance that earlier samples predict.
 pub(super) fn predictable(white: &[Vector3], numbers: usize) -> Option<f64> {
     let (q, dof) = ljung_box(white, numbers)?;
@@ -97,4 +125,32 @@ fn ljung_box(white: &[Vector3], numbers: usize) -> Option<(f64, f64)> {
         }
     }
     Some((q, (numbers * WHITENESS_LAGS) as f64))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::octaves::tests::white;
+
+    /// Noise as declared has that power by chance, less than declared is none, whatever its colour, and a weak line is found.
+    #[test]
+    fn stat_power_beyond_what_is_declared_is_found_and_less_is_none() {
+        let n = 2000;
+        let seeds = 0..200;
+        let below = seeds
+            .clone()
+            .filter(|s| power(&white(n, *s), 3).unwrap() < 0.05);
+        assert!((1..=18).contains(&below.count()));
+        let mean = |w: &[Vector3]| {
+            w.windows(2)
+                .map(|w| (w[0] + w[1]) * 0.45)
+                .collect::<Vec<_>>()
+        };
+        let dull = seeds.filter(|s| power(&mean(&white(n, *s)), 3).unwrap() < 0.05);
+        assert!(dull.count() <= 1);
+        let line = |(k, w): (usize, Vector3)| w + Vector3::x() * (0.4 * (1.1 * k as f64).sin());
+        let seen = white(n, 7).into_iter().enumerate().map(line);
+        assert!(power(&seen.collect::<Vec<_>>(), 3).unwrap() < 1.0e-4);
+        assert!(power(&white(30, 1), 3).is_none());
+    }
 }

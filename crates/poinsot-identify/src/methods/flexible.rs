@@ -158,11 +158,12 @@ fn is_asked(problem: &Problem, settings: Settings, rigid: &FinishedFit) -> bool 
     let found = &own.diagnostics;
     let excess = (found.chi2 - found.dof as f64).max(EVIDENCE);
     let explained = |s: &Suspect| excess - s.decrease < NOTABLE * excess;
-    let coloured = |fit: &SegmentFit| {
-        let mut p = fit.channels.iter().filter_map(|c| c.whiteness_p);
+    // A mode adds power at its frequency: what is less than declared shows none.
+    let powerful = |fit: &SegmentFit| {
+        let mut p = fit.channels.iter().filter_map(|c| c.power_p);
         p.any(|p| p < SUSPICIOUS)
     };
-    let is_open = rigid.plain.chance < SUSPICIOUS || rigid.solution.fit.iter().any(coloured);
+    let is_open = rigid.plain.chance < SUSPICIOUS || rigid.solution.fit.iter().any(powerful);
     settings.modes == Modes::Found
         && !settings.undiagnosed
         && problem.internal_states() == 0

@@ -8,7 +8,7 @@
 use crate::certify::continuation::unobservable_set;
 use crate::diagnosis::conflict::priors_against_data;
 use crate::diagnosis::octaves::{chance, consistent, octaves};
-use crate::diagnosis::{Diagnostics, FaultKind, Finding, diagnose, whiteness};
+use crate::diagnosis::{Diagnostics, FaultKind, Finding, diagnose, power, whiteness};
 use crate::fit::alternatives::AlternativeFit;
 use crate::fit::degrees_of_freedom::fitted_numbers;
 use crate::fit::experiment::{Experiment, Iterate};
@@ -487,6 +487,7 @@ fn channel_fit(channel: &ChannelResidual, loss: Loss) -> ChannelFit {
         rms: (channel.square / count).sqrt(),
         chi2_per_number: Some(chi2 / count),
         whiteness_p: whiteness(&channel.white, numbers),
+        power_p: power(&channel.white, numbers),
         octaves: octaves(&channel.white, numbers, loss),
     }
 }

@@ -69,6 +69,7 @@ pub(crate) fn twist(
         rms: (square / count).sqrt(),
         chi2_per_number: None,
         whiteness_p: None,
+        power_p: None,
         octaves: Vec::new(),
     };
     let mut channels = vec![channel("gyro", "rad/s", rate)];

@@ -310,6 +310,8 @@ pub struct ChannelFit {
     pub chi2_per_number: Option<f64>,
     /// p-value of a white residual (Ljung and Box 1978, ten lags on each axis).
     pub whiteness_p: Option<f64>,
+    /// Probability that white noise as declared has as much power at some frequency (Blackman and Tukey 1958, ten lags on each axis).
+    pub power_p: Option<f64>,
     /// The whitened residual by octaves, the fastest first; empty if the method does not weight this sensor separately.
     pub octaves: Vec<Octave>,
 }
