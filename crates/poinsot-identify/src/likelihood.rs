@@ -92,9 +92,6 @@ impl Setting<'_> {
         vehicle.wheels_smooth = self.wheels.is_smooth();
         vehicle.curves = self.curves.get(index);
         vehicle.steps = self.steps(index);
-        let joints = self.noise.joint_position.iter();
-        let rates = &self.noise.joint_rate;
-        vehicle.noisy_joints = joints.zip(rates).map(|(q, r)| q + r > 0.0).collect();
         vehicle
     }
 }

@@ -148,7 +148,7 @@ mod tests {
         };
         let dull = seeds.filter(|s| power(&mean(&white(n, *s)), 3).unwrap() < 0.05);
         assert!(dull.count() <= 1);
-        let line = |(k, w): (usize, Vector3)| w + Vector3::x() * (0.4 * (1.1 * k as f64).sin());
+        let line = |(k, w): (usize, Vector3)| w + Vector3::x() * (0.5 * (1.1 * k as f64).sin());
         let seen = white(n, 7).into_iter().enumerate().map(line);
         assert!(power(&seen.collect::<Vec<_>>(), 3).unwrap() < 1.0e-4);
         assert!(power(&white(30, 1), 3).is_none());

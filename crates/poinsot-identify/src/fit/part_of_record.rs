@@ -98,7 +98,7 @@ fn at_kept(record: &SensorRecord, kept: &[usize]) -> SensorRecord {
     record.with_samples(samples)
 }
 
-fn picked<T: Clone>(all: &[T], kept: &[usize]) -> Vec<T> {
+pub(super) fn picked<T: Clone>(all: &[T], kept: &[usize]) -> Vec<T> {
     kept.iter().filter_map(|k| all.get(*k).cloned()).collect()
 }
 
@@ -106,6 +106,7 @@ fn at_kept_times(inputs: &[InputChannel], kept: &[usize]) -> Vec<InputChannel> {
     let at_kept = |i: &InputChannel| InputChannel {
         errors: errors(&i.errors, kept),
         rate: i.rate,
+        acceleration: picked(&i.acceleration, kept),
         of_rates: picked(&i.of_rates, kept),
     };
     inputs.iter().map(at_kept).collect()

@@ -12,6 +12,7 @@
 //! White noise of the third derivative, of density q over an interval h, is three changes at its end: the columns of the root of the
 //! covariance `q [h^5/20, h^4/8, h^3/6; h^4/8, h^3/3, h^2/2; h^3/6, h^2/2, h]`.
 
+use crate::fit::part_of_record::picked;
 use crate::problem::error_process::{ErrorProcess, ErrorStep};
 use crate::problem::segment::RateParts;
 use nalgebra::{Matrix3, Matrix4, Vector4};
@@ -30,7 +31,7 @@ const WHITE: f64 = 1.0e-3;
 /// Degrees of freedom of the changes: most are small, as between two manoeuvres, and some large. Measured: docs/validation/pyramid.md.
 const TAILS: f64 = 2.0;
 /// Changes before and after one with which it shares its size.
-pub(crate) const SHARED: usize = 4;
+const SHARED: usize = 4;
 /// Renewals of their sizes, beyond which a value moves by a small share of its error.
 const RENEWALS: usize = 20;
 /// Relative accuracy of the size of the changes.
@@ -123,11 +124,20 @@ pub(crate) struct InputPosterior {
     /// Mean value and slope at every grid time.
     pub value: Vec<f64>,
     pub slope: Vec<f64>,
+    /// Mean slope of the slope; zero where that changes at some times alone.
+    pub acceleration: Vec<f64>,
     pub errors: ErrorProcess,
     /// -2 ln of the probability density of the samples, less a constant.
     pub deviance: f64,
     /// Mean square of the changes before every grid time, their sum.
     squares: Vec<f64>,
+}
+
+impl InputPosterior {
+    /// The mean motion at a grid time.
+    fn at(&self, k: usize) -> [f64; 3] {
+        [self.value[k], self.slope[k], self.acceleration[k]]
+    }
 }
 
 /// What later samples hold of the state: -2 ln of their density is `x^T L x - 2 eta^T x` and a constant.
@@ -470,6 +480,7 @@ fn forward(start: Start) -> InputPosterior {
     let initial = motion(&P);
     let mut value = vec![start.level + x[VALUE]];
     let mut slope = vec![x[SLOPE]];
+    let mut acceleration = vec![x[ACCELERATION]];
     let mut squares = vec![0.0];
     let mut steps = Vec::with_capacity(start.intervals.len());
     for interval in &start.intervals {
@@ -479,10 +490,12 @@ fn forward(start: Start) -> InputPosterior {
         P = after;
         value.push(start.level + x[VALUE]);
         slope.push(x[SLOPE]);
+        acceleration.push(x[ACCELERATION]);
     }
     InputPosterior {
         value,
         slope,
+        acceleration,
         errors: ErrorProcess { initial, steps },
         deviance: start.deviance,
         squares,
@@ -518,9 +531,11 @@ pub struct JointMotion {
     pub position: Vec<f64>,
     /// Mean rate, rad/s or m/s.
     pub rate: Vec<f64>,
+    /// Mean acceleration, rad/s2 or m/s2.
+    pub acceleration: Vec<f64>,
     /// What they err by.
     pub errors: ErrorProcess,
-    /// The part of both that measured rates make; empty without these.
+    /// The part of them that measured rates make; empty without these.
     pub of_rates: Vec<RateParts>,
 }
 
@@ -573,16 +588,32 @@ impl JointMotion {
         if !rates.is_empty() {
             let [rates, ones] = [part(|s| s.value)?, part(|_| 1.0)?];
             of_rates.extend((0..time_s.len()).map(|k| RateParts {
-                rates: [rates.value[k], rates.slope[k]],
-                ones: [ones.value[k], ones.slope[k]],
+                rates: rates.at(k),
+                ones: ones.at(k),
             }));
         }
         Some(Self {
             position: found.value,
             rate: found.slope,
+            acceleration: found.acceleration,
             errors,
             of_rates,
         })
+    }
+}
+
+impl JointMotion {
+    /// The motion at some of its grid times.
+    #[must_use]
+    pub fn at_times(&self, kept: &[usize]) -> Self {
+        let of = |all: &[f64]| picked(all, kept);
+        Self {
+            position: of(&self.position),
+            rate: of(&self.rate),
+            acceleration: of(&self.acceleration),
+            errors: self.errors.at_times(kept),
+            of_rates: picked(&self.of_rates, kept),
+        }
     }
 }
 
@@ -769,6 +800,8 @@ mod tests {
                 "{k}"
             );
             assert!((found.slope[k] - mean(1)).abs() < EQUAL * sigma(1), "{k}");
+            let off = found.acceleration[k] - mean(2);
+            assert!(off.abs() < EQUAL * sigma(2), "{k}");
             let onward = step.memory * P;
             for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
                 let unit = sigma(i) * sigma(j);

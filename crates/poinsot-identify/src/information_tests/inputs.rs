@@ -54,8 +54,10 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
     let model = parse_model(MODEL, "test").unwrap();
     let tree = Tree::new(&model);
     let mut made = finer(&model, &tree, translation, fine);
+    let times = made.observations.time_s.len();
     let channel = |errors: InputErrors| InputChannel {
         errors,
+        acceleration: (0..times).map(|k| 0.1 * (k as f64).sin()).collect(),
         ..InputChannel::default()
     };
     let mut noise = noise(&tree);
@@ -88,10 +90,8 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
     if case.coloured {
         super::colour(&mut made);
     }
-    // Nearly nothing: a joint without noise is differentiated otherwise.
-    let nothing = |v: &Vec<f64>| v.iter().map(|x| 1.0e-20 * x).collect::<Vec<f64>>();
     let silent = Noise {
-        joint_position: nothing(&noise.joint_position),
+        joint_position: vec![0.0; 2],
         wheel_speed: vec![0.0],
         ..noise.clone()
     };
@@ -107,7 +107,6 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
         let spin = [0.002];
         let x = parameters.nominal_vector();
         let mut vehicle = Vehicle::new(&tree, &model.thrusters, &parameters, &spin, &x);
-        vehicle.noisy_joints = vec![true; 2];
         vehicle.wheels_smooth = case.smooth;
         let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0);
         let (mut state, _) = start(
@@ -222,6 +221,7 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
                 let mut moved = made.clone();
                 let o = &mut moved.observations;
                 match input {
+                    5.. => o.joints[input - 5].acceleration[k] += d,
                     3.. => o.joint_rate[2 * k + input - 3] += d,
                     2 => o.wheel_speed[k] += d,
                     j => o.joint_position[2 * k + j] += d,
@@ -237,11 +237,13 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
             variance * correlation(&errors, i, j)
         });
         if let (true, InputErrors::Process(of)) = (input < 2, &errors) {
-            // Positions, then rates.
-            let rates = (0..samples).map(|k| slope_of(input + 3, 1.0e-4, k));
-            let columns: Vec<_> = G.iter().cloned().chain(rates).collect();
+            // Positions, then rates, then accelerations.
+            let slopes = |more: usize| (0..samples).map(move |k| (more, k));
+            let slopes = slopes(3).chain(slopes(5));
+            let slopes = slopes.map(|(more, k)| slope_of(input + more, 1.0e-4, k));
+            let columns: Vec<_> = G.iter().cloned().chain(slopes).collect();
             all = nalgebra::DMatrix::from_columns(&columns);
-            own = nalgebra::DMatrix::from_fn(2 * samples, 2 * samples, |i, j| {
+            own = nalgebra::DMatrix::from_fn(3 * samples, 3 * samples, |i, j| {
                 let all = covariance(of, i % samples, j % samples);
                 variance * all[(i / samples, j / samples)]
             });

@@ -238,19 +238,25 @@ impl Motion<'_> {
         inputs.accelerations.clear();
         inputs
             .accelerations
-            .extend((0..dof).map(|j| self.joint_acceleration((j, k), q(j), rate(j))));
+            .extend((0..dof).map(|j| match o.joint(j).acceleration.get(k) {
+                Some(known) => *known,
+                None => joint_acceleration(&o.time_s, q(j), rate(j), k),
+            }));
         inputs.acceleration_changes.clear();
         for own in &v.joint_scales {
             let j = own.joint;
             let part = |i: usize| rate_parts(o, (dof, j), (i, 0.0));
-            let of = |part: &dyn Fn(usize) -> [f64; 2]| {
-                self.joint_acceleration((j, k), |i| part(i)[0], |i| part(i)[1])
-            };
-            let [of_rates, of_ones] = [of(&|i| part(i).rates), of(&|i| part(i).ones)];
-            let found = own.corrected([inputs.accelerations[j]], [of_rates], [of_ones]);
-            [inputs.accelerations[j]] = found.value;
+            let mut parts = part(k);
+            if o.joint(j).acceleration.is_empty() {
+                parts.rates[2] =
+                    joint_acceleration(&o.time_s, |i| part(i).rates[0], |i| part(i).rates[1], k);
+                parts.ones[2] =
+                    joint_acceleration(&o.time_s, |i| part(i).ones[0], |i| part(i).ones[1], k);
+            }
+            let found = own.corrected([0.0, 0.0, inputs.accelerations[j]], &parts);
+            inputs.accelerations[j] = found.value[2];
             let each = own.unknowns().into_iter().zip(found.slopes);
-            let each = each.filter_map(|(unknown, [slope])| Some((unknown?, j, slope)));
+            let each = each.filter_map(|(unknown, slopes)| Some((unknown?, j, slopes[2])));
             inputs.acceleration_changes.extend(each);
         }
         inputs.wheels.clone_from(&self.input_state.wheels);
@@ -268,21 +274,6 @@ impl Motion<'_> {
         }));
         inputs.thrust.clear();
         inputs.thrust.extend_from_slice(self.thrust.at(k));
-    }
-
-    /// Acceleration of joint j at grid time k from positions and rates at grid times, rad/s2 or m/s2.
-    fn joint_acceleration(
-        &self,
-        (j, k): (usize, usize),
-        q: impl Fn(usize) -> f64,
-        rate: impl Fn(usize) -> f64,
-    ) -> f64 {
-        let t = &self.observations.time_s;
-        match self.vehicle.noisy_joints.get(j) {
-            // A second difference of noisy positions is noise.
-            Some(true) => parabola_slope(t, rate, k),
-            _ => joint_acceleration(t, q, rate, k),
-        }
     }
 
     /// Force and torque about Bo of thrusters and surroundings, in B.

@@ -64,10 +64,11 @@ fn add_internal(modes: &ModeRows, x: &Column, out: &mut Column) {
 enum Input {
     Joint(usize),
     Wheel(usize),
-    /// A slope that nothing depends on, of a wheel's speed or of a joint's rate, whose error moves that of the input before it.
+    /// The slope of a wheel's speed, that nothing depends on: its error moves that of the speed, the input before it.
     Slope,
-    /// A joint's rate, in a process with the position, the input before it.
+    /// A joint's rate and its acceleration, in a process with the position, the input before them.
     Rate(usize),
+    Acceleration(usize),
 }
 
 /// How the errors of inputs go on from grid time to grid time.
@@ -158,7 +159,6 @@ pub(crate) struct InputNoise {
     slow: Vec<(Vec<SlowError>, usize)>,
     /// Grid times on each side of the one in hand whose errors are held.
     reach: usize,
-    time_s: Vec<f64>,
     slopes: JointSlopes,
     /// Boxed: it is large and moves at every step.
     before: Option<Box<DynamicsJacobian>>,
@@ -177,11 +177,11 @@ fn separate(input: Input, errors: InputErrors) -> Vec<(Input, Memory, Vec<f64>)>
     let places = match errors {
         InputErrors::Interpolated(places) => places,
         InputErrors::Process(process) => {
-            let slope = match input {
-                Input::Joint(joint) => Input::Rate(joint),
-                _ => Input::Slope,
+            let slopes = match input {
+                Input::Joint(joint) => vec![Input::Rate(joint), Input::Acceleration(joint)],
+                _ => vec![Input::Slope; 2],
             };
-            let slopes = [slope, Input::Slope].into_iter().take(process.width() - 1);
+            let slopes = slopes.into_iter().take(process.width() - 1);
             let slopes = slopes.map(|slope| (slope, Memory::Follows, Vec::new()));
             let value = (input, Memory::Process(process), Vec::new());
             return std::iter::once(value).chain(slopes).collect();
@@ -253,10 +253,11 @@ impl InputNoise {
         if !active.is_empty() {
             active.extend(STATE..STATE + 2 * internal);
         }
-        let reach = match inputs.is_empty() {
-            true => 0,
-            false => usize::from(o.reads(SensorKind::Accelerometer)),
-        };
+        // The slope of a wheel's speed is that of speeds about it.
+        let turns = inputs
+            .iter()
+            .any(|(input, _)| matches!(input, Input::Wheel(_)));
+        let reach = usize::from(turns && o.reads(SensorKind::Accelerometer));
         let lead = active.len() + 3 * usize::from(torque);
         let kept = if silent { 0 } else { 3 * increments };
         let mut place = lead + (2 * reach + 1) * inputs.len() + kept;
@@ -279,11 +280,6 @@ impl InputNoise {
             slow,
             reach,
             expected: o.expected_errors.clone(),
-            time_s: if reach > 0 {
-                o.time_s.clone()
-            } else {
-                Vec::new()
-            },
             filter: Filter::new(size, followed, records),
             columns,
             twists: vec![Vector6::zeros(); size],
@@ -351,7 +347,7 @@ impl InputNoise {
                 match *input {
                     Input::Joint(j) => o.joint_position[k * dof + j] += error,
                     Input::Wheel(w) => o.wheel_speed[k * wheels + w] += error * self.share(c, k),
-                    Input::Rate(_) | Input::Slope => {}
+                    Input::Rate(_) | Input::Acceleration(_) | Input::Slope => {}
                 }
             }
         }
@@ -467,7 +463,7 @@ impl InputNoise {
                     let none = FlexibleChange::of_twist(Vector6::zeros());
                     (motion.followed(at, &gain, None), none)
                 }
-                Input::Slope => {
+                Input::Slope | Input::Acceleration(_) => {
                     at_once.push(Column::zeros());
                     drive.push(Column::zeros());
                     continue;

@@ -123,14 +123,14 @@ impl Motion<'_> {
         for own in &self.vehicle.joint_scales {
             let j = own.joint;
             let parts = rate_parts(self.observations, (dof, j), (k, at));
-            let found = own.corrected([now.q[j], now.rates[j]], parts.rates, parts.ones);
-            [now.q[j], now.rates[j]] = found.value;
+            let found = own.corrected([now.q[j], now.rates[j], 0.0], &parts);
+            [now.q[j], now.rates[j], _] = found.value;
             let before = now.changes.iter_mut().filter_map(|c| c.joint.as_mut());
             for (_, q, rate) in before.filter(|(joint, ..)| *joint == j) {
                 *q *= own.factor();
                 *rate *= own.factor();
             }
-            for (unknown, [q, rate]) in own.unknowns().into_iter().zip(found.slopes) {
+            for (unknown, [q, rate, _]) in own.unknowns().into_iter().zip(found.slopes) {
                 let change = unknown.map(|unknown| InputChange::of_joint(unknown, (j, q, rate)));
                 now.changes.extend(change);
             }

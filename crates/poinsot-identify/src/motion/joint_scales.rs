@@ -15,10 +15,10 @@ pub(crate) struct JointScales {
     errors: [Option<(usize, f64)>; 3],
 }
 
-/// Value without errors, and its slopes over the errors.
-pub(super) struct Corrected<const N: usize> {
-    pub value: [f64; N],
-    pub slopes: [[f64; N]; 3],
+/// Position, rate and acceleration without errors, and their slopes over the errors.
+pub(super) struct Corrected {
+    pub value: [f64; 3],
+    pub slopes: [[f64; 3]; 3],
 }
 
 /// The joints with such errors.
@@ -60,16 +60,15 @@ impl JointScales {
     }
 
     /// The motion without errors: `whole` as measured, its part made of measured rates, and that part were all of them one.
-    pub(super) fn corrected<const N: usize>(
-        &self,
-        whole: [f64; N],
-        of_rates: [f64; N],
-        of_ones: [f64; N],
-    ) -> Corrected<N> {
+    pub(super) fn corrected(&self, whole: [f64; 3], parts: &RateParts) -> Corrected {
+        let RateParts {
+            rates: of_rates,
+            ones: of_ones,
+        } = parts;
         let (by_position, by_rate) = (self.factor(), 1.0 / (1.0 + self.value(1)));
         let bias = self.value(2);
-        let positions: [f64; N] = std::array::from_fn(|i| whole[i] - of_rates[i]);
-        let rates: [f64; N] = std::array::from_fn(|i| of_rates[i] - bias * of_ones[i]);
+        let positions: [f64; 3] = std::array::from_fn(|i| whole[i] - of_rates[i]);
+        let rates: [f64; 3] = std::array::from_fn(|i| of_rates[i] - bias * of_ones[i]);
         Corrected {
             value: std::array::from_fn(|i| by_position * positions[i] + by_rate * rates[i]),
             slopes: [
@@ -81,7 +80,7 @@ impl JointScales {
     }
 }
 
-/// Position and rate of a joint that its measured rates make, at a share of the interval after grid time k, and what they would
+/// Position, rate and acceleration of a joint that its measured rates make, at a share of the interval after grid time k, and what they would
 /// make were all of them one; zero where rates are derived from positions.
 pub(super) fn rate_parts(
     o: &Observations,
@@ -93,8 +92,8 @@ pub(super) fn rate_parts(
         InputRate::Measured if of_rates.is_empty() => [k, k + 1].map(|k| {
             let rate = o.joint_rate.get(k * dof + joint).copied();
             RateParts {
-                rates: [0.0, rate.unwrap_or(0.0)],
-                ones: [0.0, 1.0],
+                rates: [0.0, rate.unwrap_or(0.0), 0.0],
+                ones: [0.0, 1.0, 0.0],
             }
         }),
         _ => [k, k + 1].map(|k| of_rates.get(k).copied().unwrap_or_default()),
@@ -104,14 +103,14 @@ pub(super) fn rate_parts(
 }
 
 impl RateParts {
-    /// Those at a share of an interval of length h, on the cubic with these ends.
+    /// Those at a share of an interval of length h: position and rate on the cubic with these ends, the acceleration between both.
     pub(super) fn to(&self, end: &Self, h: f64, at: f64) -> Self {
-        let between = |a: [f64; 2], b: [f64; 2]| match at {
+        let between = |a: [f64; 3], b: [f64; 3]| match at {
             0.0 => a,
             1.0 => b,
             _ => {
                 let (so_far, rate) = cubic(b[0] - a[0], [a[1], b[1]], h, at);
-                [a[0] + so_far, rate]
+                [a[0] + so_far, rate, a[2] + at * (b[2] - a[2])]
             }
         };
         Self {

@@ -4,7 +4,7 @@ use super::environment::orbit_between;
 use super::inputs::joint_between;
 use crate::problem::error_process::{ErrorProcess, ErrorStep};
 use crate::problem::segment::{
-    BetweenReadings, InputChannel, InputErrors, Observations, RateParts, SensorRecord, SensorSample,
+    BetweenReadings, InputChannel, InputErrors, Observations, SensorRecord, SensorSample,
 };
 use nalgebra::Matrix3;
 
@@ -115,18 +115,21 @@ fn at_places(inputs: &[InputChannel], places: &[Place], old_s: &[f64]) -> Vec<In
     let moved = |i: &InputChannel| InputChannel {
         errors: errors(&i.errors, places, old_s),
         rate: i.rate,
-        of_rates: parts(&i.of_rates, places, old_s),
+        acceleration: at_each(&i.acceleration, places, |a, b, p| a + p.at * (b - a)),
+        of_rates: at_each(&i.of_rates, places, |a, b, p| {
+            a.to(b, old_s[p.k + 1] - old_s[p.k], p.at)
+        }),
     };
     inputs.iter().map(moved).collect()
 }
 
-/// The parts on the cubics between grid times, as the motion is.
-fn parts(old: &[RateParts], places: &[Place], old_s: &[f64]) -> Vec<RateParts> {
-    let part = |p: &Place| match (old.get(p.k), old.get(p.k + 1)) {
-        (Some(a), Some(b)) => Some(a.to(b, old_s[p.k + 1] - old_s[p.k], p.at)),
+/// Values of old grid times, and those between two of them.
+fn at_each<T: Copy>(old: &[T], places: &[Place], between: impl Fn(&T, &T, &Place) -> T) -> Vec<T> {
+    let value = |p: &Place| match (old.get(p.k), old.get(p.k + 1)) {
+        (Some(a), Some(b)) => Some(between(a, b, p)),
         (a, _) => a.copied(),
     };
-    places.iter().filter_map(part).collect()
+    places.iter().filter_map(value).collect()
 }
 
 /// The same errors, interpolated where there is no sample. A correlation is shared out over the parts of its interval.

@@ -45,8 +45,6 @@ pub(crate) struct Vehicle<'a> {
     pub wheels_smooth: bool,
     /// Integration steps of its motion.
     pub steps: Steps<'a>,
-    /// Whether each joint's readings are noisy; empty where all are exact.
-    pub noisy_joints: Vec<bool>,
     /// Unknowns that change joint and wheel motion.
     pub input_faults: Vec<InputFault>,
     /// Joints with unknown scales, or errors of their rates.
@@ -131,7 +129,6 @@ impl<'a> Vehicle<'a> {
             drag,
             wheels_smooth: false,
             steps: Steps::default(),
-            noisy_joints: Vec::new(),
             input_faults: input_faults(parameters, x),
             joint_scales: joint_scales(parameters, x),
             joint_motions,

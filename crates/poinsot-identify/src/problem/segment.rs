@@ -335,23 +335,26 @@ pub struct InputChannel {
     pub errors: InputErrors,
     /// What is known of its rate.
     pub rate: InputRate,
+    /// Acceleration of a joint at every grid time, rad/s2 or m/s2, where it is a process; empty otherwise.
+    pub acceleration: Vec<f64>,
     /// The part of a joint's motion that measured rates make, one row per grid time, where it is a process; empty otherwise.
     pub of_rates: Vec<RateParts>,
 }
 
-/// Position and rate of a joint that its measured rates make, and what they would make were all of them one.
+/// Position, rate and acceleration of a joint that its measured rates make, and what they would make were all of them one.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct RateParts {
     /// Of the rates as they are.
-    pub rates: [f64; 2],
+    pub rates: [f64; 3],
     /// Of ones.
-    pub ones: [f64; 2],
+    pub ones: [f64; 3],
 }
 
 /// One of which nothing special is known.
 static PLAIN: InputChannel = InputChannel {
     errors: InputErrors::Independent,
     rate: InputRate::Unmeasured,
+    acceleration: Vec::new(),
     of_rates: Vec::new(),
 };
 

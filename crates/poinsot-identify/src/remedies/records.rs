@@ -318,6 +318,10 @@ impl Trial {
             let angle = pace * (t - o.time_s[0]);
             o.joint_position[k * joints + joint] += size * angle.sin();
             o.joint_rate[k * joints + joint] += size * pace * angle.cos();
+            let own = o.joints.get_mut(joint);
+            if let Some(own) = own.and_then(|j| j.acceleration.get_mut(k)) {
+                *own -= size * pace * pace * angle.sin();
+            }
         }
     }
 }

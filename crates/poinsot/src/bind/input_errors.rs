@@ -26,7 +26,7 @@ pub(super) fn joint_inputs(channels: &Channels, grid: &[f64]) -> Vec<InputChanne
                 Some(_) => InputRate::Measured,
                 None => InputRate::Unmeasured,
             },
-            of_rates: Vec::new(),
+            ..InputChannel::default()
         }
     };
     channels.joints().map(of).collect()
@@ -42,7 +42,7 @@ pub(super) fn wheel_inputs(channels: &Channels, grid: &[f64]) -> Vec<InputChanne
                 true => InputRate::Straight,
                 false => InputRate::Unmeasured,
             },
-            of_rates: Vec::new(),
+            ..InputChannel::default()
         }
     };
     channels.tachometers().enumerate().map(of).collect()

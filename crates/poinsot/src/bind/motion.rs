@@ -13,8 +13,7 @@ use nalgebra::Quaternion;
 use poinsot_dynamics::Kinematics;
 use poinsot_files::{Place, rounded};
 use poinsot_identify::{
-    Accelerations, ErrorProcess, InputChannel, InputErrors, InputSample, JointMotion, RateParts,
-    Samples, Translation,
+    Accelerations, InputChannel, InputErrors, InputSample, JointMotion, Samples, Translation,
 };
 use poinsot_model::{Model, SensorKind};
 use poinsot_spatial::{UnitQuaternion, Vector3};
@@ -344,8 +343,8 @@ fn told(channels: &Channels, columns: &JointColumns, repairs: &mut Vec<String>) 
 pub(super) struct Inputs {
     joint_position: Vec<Column>,
     joint_rate: Vec<Column>,
-    /// Of joints with noisy samples: what their motion errs by, and the part of it that measured rates make.
-    joint_errors: Vec<Option<(ErrorProcess, Vec<RateParts>)>>,
+    /// Of joints with noisy samples, at the same times.
+    joint_motion: Vec<Option<JointMotion>>,
     wheel_speed: Vec<Column>,
 }
 
@@ -353,7 +352,7 @@ pub(super) struct Inputs {
 struct JointColumn {
     position: Column,
     rate: Column,
-    errors: Option<(ErrorProcess, Vec<RateParts>)>,
+    motion: Option<JointMotion>,
 }
 
 /// What measured rates of joints are.
@@ -390,7 +389,7 @@ impl Inputs {
         Self {
             joint_position: joints.iter().map(|j| j.position.clone()).collect(),
             joint_rate: joints.iter().map(|j| j.rate.clone()).collect(),
-            joint_errors: joints.into_iter().map(|j| j.errors).collect(),
+            joint_motion: joints.into_iter().map(|j| j.motion).collect(),
             wheel_speed: wheels.iter().map(wheel).collect(),
         }
     }
@@ -402,16 +401,17 @@ impl Inputs {
         (picked, grid): (&[usize], &[f64]),
     ) -> Vec<InputChannel> {
         let all = joint_inputs(channels, grid).into_iter();
-        all.zip(&self.joint_errors)
-            .map(|(plain, errors)| match errors {
-                Some((process, of_rates)) => InputChannel {
-                    errors: InputErrors::Process(process.at_times(picked)),
-                    of_rates: picked
-                        .iter()
-                        .filter_map(|k| of_rates.get(*k).copied())
-                        .collect(),
-                    ..plain
-                },
+        all.zip(&self.joint_motion)
+            .map(|(plain, motion)| match motion {
+                Some(motion) => {
+                    let motion = motion.at_times(picked);
+                    InputChannel {
+                        errors: InputErrors::Process(motion.errors),
+                        acceleration: motion.acceleration,
+                        of_rates: motion.of_rates,
+                        ..plain
+                    }
+                }
                 None => plain,
             })
             .collect()
@@ -452,7 +452,7 @@ fn joint_at(model: &Model, columns: &JointColumns, (times, rates): (&[f64], Rate
         return JointColumn {
             position: position.unwrap_or_else(still),
             rate: vec![Some(0.0); times.len()],
-            errors: None,
+            motion: None,
         };
     };
     let derived = columns.rate.is_none();
@@ -466,7 +466,7 @@ fn joint_at(model: &Model, columns: &JointColumns, (times, rates): (&[f64], Rate
     JointColumn {
         position: resample_hermite(q, rate, times),
         rate: resample(rate, times, None),
-        errors: None,
+        motion: None,
     }
 }
 
@@ -514,22 +514,17 @@ fn smoothed(model: &Model, columns: &JointColumns, times: &[f64]) -> Option<Join
     let rounds = sensor.and_then(rounding).is_some();
     let motion = JointMotion::new(&grid, (&positions, &rates), rounds)?;
     let picked: Vec<usize> = times.iter().map(place).collect();
+    let motion = motion.at_times(&picked);
     // Gaps stay gaps.
     let known = resample(q, times, None);
     let column = |of: &[f64]| -> Column {
-        let pairs = known.iter().zip(&picked);
-        pairs.map(|(x, k)| x.map(|_| of[*k])).collect()
+        let pairs = known.iter().zip(of);
+        pairs.map(|(known, x)| known.map(|_| *x)).collect()
     };
     Some(JointColumn {
         position: column(&motion.position),
         rate: column(&motion.rate),
-        errors: Some((
-            motion.errors.at_times(&picked),
-            picked
-                .iter()
-                .filter_map(|k| motion.of_rates.get(*k).copied())
-                .collect(),
-        )),
+        motion: Some(motion),
     })
 }
 

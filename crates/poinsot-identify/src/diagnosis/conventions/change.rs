@@ -67,6 +67,9 @@ fn put_segment_right(segment: &mut Segment, convention: &Convention, experiment:
         (Place::Joints(which), Change::Factor(x)) => {
             let rows = positions.into_iter().chain(rates);
             rows.for_each(|rows| each(rows, dof, which, |q| *q *= x));
+            let joints = o.joints.iter_mut().enumerate();
+            let own = joints.filter(|(j, _)| which.contains(j));
+            own.for_each(|(_, joint)| joint.acceleration.iter_mut().for_each(|a| *a *= x));
         }
         (Place::Joints(which), Change::Offset(x)) => {
             let rows = positions.into_iter();

@@ -1,7 +1,6 @@
 //! Input errors in accelerometer samples, at several grid times together.
 
 use super::{Filter, Input, InputNoise, SparseRows};
-use crate::motion::slope_weights;
 use crate::motion::{BodyPoint, Instant, Motion, Moved, State};
 use crate::problem::Problem;
 use crate::problem::segment::{Observations, SensorRecord};
@@ -9,17 +8,14 @@ use poinsot_dynamics::propagation::STATE;
 use poinsot_model::SensorKind;
 use poinsot_spatial::Vector3;
 
-/// Where the noise of the inputs at instruments at points is only roughly right: samples between two of a joint, or of a wheel
-/// whose rounding errors last, have another error correlation than the filter assumes.
+/// Where the noise of the inputs at instruments at points is only roughly right: samples between two of a wheel whose rounding
+/// errors last have another error correlation than the filter assumes.
 pub(crate) fn approximate(problem: &Problem) -> Option<String> {
-    let noise = problem.noise;
-    let mut joints = noise.joint_position.iter().chain(&noise.joint_rate);
-    let noisy = joints.any(|v| *v > 0.0);
     let mut segments = problem.segments.iter().map(|s| &s.observations);
-    let rough = |o: &Observations| noisy || o.wheels.iter().any(|w| w.errors.lasts());
+    let rough = |o: &Observations| o.wheels.iter().any(|w| w.errors.lasts());
     let between = segments.any(|o| o.between_readings && o.reads_points() && rough(o));
     between.then(|| {
-        "accelerometer or velocity-increment samples fall between joint or rounded wheel samples, which are interpolated; their noise contribution is approximate. Samples at equal times are exact"
+        "accelerometer or velocity-increment samples fall between rounded wheel samples, which are interpolated; their noise contribution is approximate. Samples at equal times are exact"
             .to_owned()
     })
 }
@@ -53,14 +49,8 @@ impl InputNoise {
             match *input {
                 Input::Joint(j) => slopes[here] += around.input(Moved::Position(j)),
                 Input::Slope => {}
-                Input::Rate(j) => {
-                    slopes[here] += around.input(Moved::Rate(j));
-                    let acceleration = around.input(Moved::Acceleration(j));
-                    for (i, w) in slope_weights(&self.time_s, k) {
-                        let after = i as isize - k as isize;
-                        slopes[self.place(c, after)] += acceleration * w;
-                    }
-                }
+                Input::Rate(j) => slopes[here] += around.input(Moved::Rate(j)),
+                Input::Acceleration(j) => slopes[here] += around.input(Moved::Acceleration(j)),
                 Input::Wheel(j) => {
                     slopes[here] += around.input(Moved::Wheel(j)) * self.share(c, k);
                     let acceleration = around.input(Moved::WheelRate(j));
@@ -83,7 +73,7 @@ impl InputNoise {
         inputs.filter_map(|(c, (input, _))| match *input {
             Input::Joint(j) => Some((self.place(c, 0), j, 1.0, 0.0)),
             Input::Rate(j) => Some((self.place(c, 0), j, 0.0, 1.0)),
-            Input::Wheel(_) | Input::Slope => None,
+            Input::Wheel(_) | Input::Acceleration(_) | Input::Slope => None,
         })
     }
 
