@@ -31,7 +31,7 @@ const WHITE: f64 = 1.0e-3;
 /// Degrees of freedom of the changes: most are small, as between two manoeuvres, and some large. Measured: docs/validation/pyramid.md.
 const TAILS: f64 = 2.0;
 /// Changes before and after one with which it shares its size.
-const SHARED: usize = 4;
+pub(crate) const SHARED: usize = 4;
 /// Renewals of their sizes, beyond which a value moves by a small share of its error.
 const RENEWALS: usize = 20;
 /// Relative accuracy of the size of the changes.

@@ -262,7 +262,7 @@ impl Motion<'_> {
         inputs.wheels.clone_from(&self.input_state.wheels);
         inputs.wheel_rates.clear();
         inputs.wheel_rates.extend((0..wheels).map(|j| {
-            match o.is_smooth(j, v.wheels_smooth) {
+            match o.turns_evenly(j, v.wheels_smooth) {
                 true => wheel_slope(o, wheels, j, k),
                 // A torque constant from here on.
                 false => {

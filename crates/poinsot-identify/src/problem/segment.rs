@@ -263,7 +263,13 @@ impl Observations {
 
     /// Whether the speed of a wheel is smooth at the grid times, where the speeds of wheels are.
     pub(crate) fn is_smooth(&self, wheel: usize, wheels_smooth: bool) -> bool {
-        wheels_smooth && self.wheel(wheel).rate != InputRate::Straight
+        let rate = self.wheel(wheel).rate;
+        wheels_smooth && !matches!(rate, InputRate::Straight | InputRate::Random)
+    }
+
+    /// Whether its acceleration at a grid time is that of the speeds on both sides.
+    pub(crate) fn turns_evenly(&self, wheel: usize, wheels_smooth: bool) -> bool {
+        self.is_smooth(wheel, wheels_smooth) || self.wheel(wheel).rate == InputRate::Random
     }
 
     /// What is known of a joint as an input.
@@ -368,6 +374,8 @@ pub enum InputRate {
     Measured,
     /// The speed of the wheel runs straight from grid time to grid time, since its motor torque was measured.
     Straight,
+    /// The same, and its torque changes at random times: its acceleration at a grid time is the mean of both sides.
+    Random,
 }
 
 /// Error correlation of an input's samples along the grid of a segment.

@@ -120,7 +120,7 @@ fn stat_velocity_increments_with_noisy_joint_rates_and_rounded_tachometers_are_c
     });
 }
 
-/// The reverse: undeclared noise is visible in chi-square.
+/// The reverse: undeclared noise is visible in chi-square. That of positions and of rates: an acceleration follows from both.
 #[test]
 fn stat_an_accelerometer_shows_joint_noise_that_nobody_declared() {
     let case = Case {
@@ -129,11 +129,14 @@ fn stat_an_accelerometer_shows_joint_noise_that_nobody_declared() {
         rates: true,
     };
     let result = judged(&case, |study| {
-        let rates = study
-            .sensors
-            .iter_mut()
-            .filter(|s| s.kind == SensorKind::JointRate);
-        rates.for_each(|s| s.noise_covariance = Some(Matrix3::identity() * 9.0e-8));
+        for sensor in &mut study.sensors {
+            if matches!(
+                sensor.kind,
+                SensorKind::JointPosition | SensorKind::JointRate
+            ) {
+                sensor.noise_covariance = sensor.noise_covariance.map(|c| 9.0 * c);
+            }
+        }
     });
     let chi2 = result.chi2_per_dof.unwrap();
     assert!(chi2 > 1.1, "{chi2}");

@@ -89,7 +89,7 @@ impl ForceAround<'_, '_> {
     pub fn wheel_weights(&self, wheel: usize) -> [(usize, f64); 3] {
         let o = self.motion.observations;
         let t = &o.time_s;
-        if o.is_smooth(wheel, self.motion.vehicle.wheels_smooth) {
+        if o.turns_evenly(wheel, self.motion.vehicle.wheels_smooth) {
             return slope_weights(t, self.k);
         }
         let i = self.k.min(t.len().saturating_sub(2));
