@@ -346,7 +346,12 @@ impl InputSamples<'_> {
 
     /// The posterior with the standard deviation of a plain change at each grid time; `None` without samples.
     pub fn posterior(&self, sizes: &[f64]) -> Option<InputPosterior> {
-        self.start(sizes).map(forward)
+        self.start(sizes).map(|start| forward(start, true))
+    }
+
+    /// The same without errors.
+    fn mean(&self, sizes: &[f64]) -> Option<InputPosterior> {
+        self.start(sizes).map(|start| forward(start, false))
     }
 
     /// What all samples hold of the first state, and the way back to it.
@@ -451,7 +456,7 @@ impl InputSamples<'_> {
     /// two samples they do not tell, so that neighbours share a size.
     fn with_tails(&self, mut size: f64) -> Option<(InputPosterior, Vec<f64>)> {
         let mut sizes = vec![size; self.time_s.len()];
-        let mut found = self.posterior(&sizes)?;
+        let mut found = self.mean(&sizes)?;
         let places = self.changes.iter().enumerate().skip(1);
         let places: Vec<usize> = places.filter(|(_, c)| **c > 0.0).map(|(k, _)| k).collect();
         for _ in 0..RENEWALS {
@@ -468,14 +473,14 @@ impl InputSamples<'_> {
             size = (sum / own.len().max(1) as f64).sqrt();
             let pairs = places.iter().zip(&widths);
             pairs.for_each(|(k, w)| sizes[*k] = size * w.sqrt());
-            found = self.posterior(&sizes)?;
+            found = self.mean(&sizes)?;
         }
-        Some((found, sizes))
+        Some((self.posterior(&sizes)?, sizes))
     }
 }
 
-/// The motion from its first state on.
-fn forward(start: Start) -> InputPosterior {
+/// The motion from its first state on, with its errors or without.
+fn forward(start: Start, with_errors: bool) -> InputPosterior {
     let (mut x, mut P) = (start.mean, start.covariance);
     let initial = motion(&P);
     let mut value = vec![start.level + x[VALUE]];
@@ -486,7 +491,9 @@ fn forward(start: Start) -> InputPosterior {
     for interval in &start.intervals {
         let (together, after, variance) = interval.spread(&P);
         squares.push(interval.along(&mut x)[0] + variance);
-        steps.push(ErrorStep::between([&P, &together, &after].map(motion)));
+        if with_errors {
+            steps.push(ErrorStep::between([&P, &together, &after].map(motion)));
+        }
         P = after;
         value.push(start.level + x[VALUE]);
         slope.push(x[SLOPE]);
@@ -582,7 +589,12 @@ impl JointMotion {
         // The mean is linear in the samples.
         let nothing = with_values(positions, |_| 0.0);
         let part = |value: fn(&InputSample) -> f64| {
-            posterior(&in_order(&nothing, &with_values(rates, value)))
+            let samples = in_order(&nothing, &with_values(rates, value));
+            InputSamples {
+                samples: &samples,
+                ..of
+            }
+            .mean(&sizes)
         };
         let mut of_rates = Vec::new();
         if !rates.is_empty() {
