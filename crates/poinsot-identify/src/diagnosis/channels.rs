@@ -81,7 +81,8 @@ pub(crate) fn power(white: &[Vector3], numbers: usize) -> Option<f64> {
     let lags = WHITENESS_LAGS as f64;
     let mut least = 1.0_f64;
     for axis in 0..numbers {
-        let product = |k: usize| (0..n - k).map(move |i| white[i][axis] * white[i + k][axis]);
+        let series: Vec<f64> = white.iter().map(|w| w[axis]).collect();
+        let product = |k: usize| series.iter().zip(&series[k..]).map(|(a, b)| a * b);
         let covariance = |k: usize| product(k).sum::<f64>() / n as f64;
         let all: Vec<f64> = (0..=WHITENESS_LAGS).map(covariance).collect();
         for at in 0..=WHITENESS_LAGS {

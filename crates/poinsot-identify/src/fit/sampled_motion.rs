@@ -820,6 +820,10 @@ mod tests {
                 let here = left((i, time_s[k]), (j, time_s[k]));
                 assert!((P[(i, j)] - here).abs() < EQUAL * unit, "{k} {i} {j}");
                 let there = left((i, time_s[k + 1]), (j, time_s[k]));
+                let next = (i, time_s[k + 1]);
+                let unit = left(next, next).sqrt() * sigma(j);
+                let off = (onward[(i, j)] - there).abs();
+                assert!(off < EQUAL * unit, "{k} {i} {j}");
             }
             P = step.memory * P * step.memory.transpose() + step.fresh;
         }

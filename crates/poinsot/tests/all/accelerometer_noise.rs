@@ -6,7 +6,6 @@ use crate::points;
 use crate::vehicle;
 
 use crate::shared::{faults, rows, statistics};
-use nalgebra::Matrix3;
 use poinsot::trials::Study;
 use poinsot_formats::MethodResultFile;
 use poinsot_model::{Model, Sensor, SensorKind};
