@@ -8,7 +8,7 @@ use crate::error::{Error, missing};
 use poinsot_dynamics::Tree;
 use poinsot_model::{Axes, Joint, Model, SensorKind};
 use poinsot_spatial::{Matrix3, Vector3};
-use poinsot_telemetry::{Channel, ChannelName, Mounting, Table, classify};
+use poinsot_telemetry::{Channel, ChannelName, Mounting, Table, classify, suggestions};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -212,9 +212,16 @@ impl<'a> Channels<'a> {
         self.tachometers().enumerate().map(of).collect()
     }
 
-    /// The error of a channel that is not there, with the unused column whose name is most like it. The name of another vector
-    /// is its own.
+    /// The error of channels that are not there, with the lines that map unused columns to them; without any, the unused column whose name is
+    /// most like them. The name of another vector is its own.
     pub fn missing(&self, channel: &str, purpose: &str, advice: &str) -> Error {
+        let wanted = |line: &String| {
+            channel
+                .split(' ')
+                .any(|name| line.starts_with(&format!("{name} =")))
+        };
+        let lines = suggestions(&self.table.ignored).into_iter().filter(wanted);
+        let lines = lines.collect::<Vec<_>>().join(", ");
         let similar = |column: &String| strsim::jaro_winkler(&column.to_lowercase(), channel);
         let is_other = |of: ChannelName| of.vector().is_some() && !channel.contains(&of.name);
         let own = |column: &String| classify(column).is_some_and(is_other);
@@ -223,6 +230,7 @@ impl<'a> Channels<'a> {
         let first = unused.next();
         let nearest = first.map(|first| unused.fold(first, |a, b| if b.0 > a.0 { b } else { a }));
         let purpose = match nearest {
+            Some(_) if !lines.is_empty() => format!("{purpose} (it may be: {lines})"),
             Some((_, column)) => format!("{purpose} (nearest unused column: '{column}')"),
             None => purpose.to_owned(),
         };
