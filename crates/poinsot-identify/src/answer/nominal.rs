@@ -28,11 +28,17 @@ struct Distance {
     words: String,
 }
 
-/// The first property beyond the allowed distance, or else the furthest.
+/// The furthest property beyond the allowed distance, or else the furthest of all.
+fn furthest(all: &[Distance]) -> Option<&Distance> {
+    all.iter().max_by(|a, b| {
+        let beyond = a.beyond.cmp(&b.beyond);
+        beyond.then(a.size.total_cmp(&b.size))
+    })
+}
+
 fn row(found: &BodyEstimate, given: &MassProperties, within: f64) -> Option<Remark> {
     let all = distances(found, given, within);
-    let furthest = || all.iter().max_by(|a, b| a.size.total_cmp(&b.size));
-    let shown = all.iter().find(|d| d.beyond).or_else(furthest)?;
+    let shown = furthest(&all)?;
     let effect = Effect::AgainstAnswer.if_failed(shown.beyond);
     let test = format!("distance of {} from nominal", found.name);
     let (statistic, value) = shown.statistic;
@@ -112,7 +118,22 @@ fn lies_beyond(value: f64, sigma: f64, nominal: f64, factor: f64) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::lies_beyond;
+    use super::{Distance, furthest, lies_beyond};
+
+    /// The first of two moments beyond the factor was named, and a larger factor by it met the other one.
+    #[test]
+    fn regress_the_furthest_property_beyond_the_factor_is_named() {
+        let of = |size: f64, beyond: bool| Distance {
+            statistic: ("ratio to nominal", size),
+            size,
+            beyond,
+            words: String::new(),
+        };
+        let all = [of(3.7, true), of(5.6, true), of(9.0, false)];
+        assert_eq!(furthest(&all).map(|d| d.size), Some(5.6));
+        assert_eq!(furthest(&all[2..]).map(|d| d.size), Some(9.0));
+        assert!(furthest(&[]).is_none());
+    }
 
     #[test]
     fn regress_an_uncertain_value_near_nominal_lies_within() {
