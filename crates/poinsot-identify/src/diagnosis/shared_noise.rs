@@ -158,7 +158,7 @@ fn errors(
             };
             let mut now = drawn(process.initial_root());
             let mut all = vec![[now.x, now.y]];
-            for step in &process.steps {
+            for step in process.steps() {
                 now = step.memory * now + drawn(step.root());
                 all.push([now.x, now.y]);
             }
@@ -202,10 +202,8 @@ mod tests {
             memory: Matrix3::from_diagonal(&Vector3::new(0.6, 0.5, 0.0)),
             fresh: Matrix3::from_diagonal(&Vector3::new(0.64, 1.0, 0.0)),
         };
-        let process = ErrorProcess {
-            initial: Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 0.0)),
-            steps: vec![step; n - 1],
-        };
+        let initial = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 0.0));
+        let process = ErrorProcess::new(initial, vec![step; n - 1]);
         // Variance at even and odd times, and covariance from even ones to the next.
         for (of, expected) in [
             (InputErrors::Independent, [4.0, 4.0, 0.0]),

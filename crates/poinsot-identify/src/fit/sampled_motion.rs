@@ -15,7 +15,7 @@
 use crate::fit::part_of_record::picked;
 use crate::problem::error_process::{ErrorProcess, ErrorStep};
 use crate::problem::segment::RateParts;
-use nalgebra::{Matrix3, Matrix4, Vector4};
+use nalgebra::{Dim, Matrix, Matrix3, Matrix4, StorageMut, U4, Vector4};
 
 /// Components of the state.
 const VALUE: usize = 0;
@@ -156,7 +156,7 @@ impl Information {
     }
 
     /// Goes back over a normal change along a direction with this variance: what the later samples make of it.
-    fn before_change(&mut self, along: Vector4<f64>, variance: f64) -> Change {
+    fn before_change(&mut self, along: &Vector4<f64>, variance: f64) -> Change {
         let held = self.L * along;
         let unit = 1.0 + variance * along.dot(&held);
         let own = variance / unit;
@@ -165,7 +165,6 @@ impl Information {
         self.L -= held * held.transpose() * own;
         self.log_det += unit.ln();
         Change {
-            along,
             own,
             mean,
             follows: -held * own,
@@ -174,9 +173,17 @@ impl Information {
 
     /// Goes back over an interval without a change.
     fn before_line(&mut self, h: f64) {
-        let line = line(h);
-        self.eta = line.tr_mul(&self.eta);
-        self.L = line.tr_mul(&self.L) * line;
+        let (far, near) = (0.5 * h * h, h);
+        self.eta[ACCELERATION] += far * self.eta[VALUE] + near * self.eta[SLOPE];
+        self.eta[SLOPE] += near * self.eta[VALUE];
+        for i in 0..4 {
+            self.L[(i, ACCELERATION)] += far * self.L[(i, VALUE)] + near * self.L[(i, SLOPE)];
+            self.L[(i, SLOPE)] += near * self.L[(i, VALUE)];
+        }
+        for j in 0..4 {
+            self.L[(ACCELERATION, j)] += far * self.L[(VALUE, j)] + near * self.L[(SLOPE, j)];
+            self.L[(SLOPE, j)] += near * self.L[(VALUE, j)];
+        }
     }
 
     /// Goes back over a rounding error of which this share stays.
@@ -187,18 +194,16 @@ impl Information {
     }
 }
 
-/// The way of the state over an interval without a change.
-fn line(h: f64) -> Matrix4<f64> {
-    let mut line = Matrix4::identity();
-    line[(VALUE, SLOPE)] = h;
-    line[(VALUE, ACCELERATION)] = 0.5 * h * h;
-    line[(SLOPE, ACCELERATION)] = h;
-    line
+/// Takes states over an interval without a change, one in each column.
+fn over_line<C: Dim, S: StorageMut<f64, U4, C>>(h: f64, x: &mut Matrix<f64, U4, C, S>) {
+    for mut x in x.column_iter_mut() {
+        x[VALUE] += h * x[SLOPE] + 0.5 * h * h * x[ACCELERATION];
+        x[SLOPE] += h * x[ACCELERATION];
+    }
 }
 
 /// A change along a direction of the state, given the state before it: normal about `mean + follows . x`.
 struct Change {
-    along: Vector4<f64>,
     own: f64,
     mean: f64,
     follows: Vector4<f64>,
@@ -206,70 +211,99 @@ struct Change {
 
 impl Change {
     /// The mean change; the state goes with it.
-    fn along(&self, x: &mut Vector4<f64>) -> f64 {
+    fn along(&self, direction: &Vector4<f64>, x: &mut Vector4<f64>) -> f64 {
         let change = self.mean + self.follows.dot(x);
-        *x += self.along * change;
+        *x += direction * change;
         change
     }
 
     /// What follows the state, of a covariance with an earlier one.
-    fn follow(&self, with_earlier: &mut Matrix4<f64>) {
-        *with_earlier += self.along * with_earlier.tr_mul(&self.follows).transpose();
+    fn follow(&self, direction: &Vector4<f64>, with_earlier: &mut Matrix4<f64>) {
+        *with_earlier += direction * with_earlier.tr_mul(&self.follows).transpose();
     }
 
     /// The covariance of the state after it; the variance of the change.
-    fn spread(&self, P: &mut Matrix4<f64>) -> f64 {
+    fn spread(&self, direction: &Vector4<f64>, P: &mut Matrix4<f64>) -> f64 {
         let with_state = *P * self.follows;
         let variance = self.own + self.follows.dot(&with_state);
-        let cross = self.along * with_state.transpose();
-        *P += cross + cross.transpose() + self.along * self.along.transpose() * variance;
+        let cross = direction * with_state.transpose();
+        *P += cross + cross.transpose() + direction * direction.transpose() * variance;
         variance
     }
 }
 
-/// From one grid time to the next: its length and the changes at its end, in the order in which they are gone back over; with a sample,
-/// what stays and is new of the rounding error.
-struct Interval {
-    h: f64,
-    changes: [Option<Change>; 3],
-    rounding: Option<(f64, Change)>,
+/// Directions of the changes at the end of an interval, in the order of time: one of the slope, or three with the covariance of
+/// white noise of the third derivative.
+fn directions(count: usize, h: f64) -> [Vector4<f64>; 3] {
+    let slope = Vector4::new(0.0, 1.0, 0.0, 0.0);
+    let of = |value: f64, slope: f64, own: f64| Vector4::new(value, slope, own, 0.0);
+    match count {
+        1 => [slope; 3],
+        _ => [
+            of(h * h / 720.0_f64.sqrt(), 0.0, 0.0),
+            of(h * h / 48.0_f64.sqrt(), h / 12.0_f64.sqrt(), 0.0),
+            of(h * h / 6.0, 0.5 * h, 1.0),
+        ],
+    }
 }
 
-impl Interval {
-    /// The changes in the order of time.
-    fn changes(&self) -> impl Iterator<Item = &Change> {
-        self.changes.iter().rev().flatten()
-    }
+/// The direction of a rounding error.
+const ROUNDS: Vector4<f64> = Vector4::new(0.0, 0.0, 0.0, 1.0);
 
-    /// The mean state at its end; the sum of squares of the mean changes, and the mean change of the rounding error.
-    fn along(&self, x: &mut Vector4<f64>) -> [f64; 2] {
-        *x = line(self.h) * *x;
-        let squares = self.changes().map(|change| change.along(x).powi(2)).sum();
-        let rounding = self.rounding.as_ref().map(|(memory, change)| {
+/// The way from the first state on, from one grid time to the next.
+struct Path {
+    /// Lengths of the intervals.
+    h: Vec<f64>,
+    /// So many at the end of each interval, in the order of time.
+    changes: Vec<Change>,
+    count: usize,
+    /// What stays and is new of the rounding error at the end of each interval with a sample; empty where nothing is rounded.
+    rounding: Vec<Option<(f64, Change)>>,
+}
+
+impl Path {
+    /// The mean state at the end of an interval; the sum of squares of the mean changes, and the mean change of the rounding error.
+    fn along(&self, k: usize, x: &mut Vector4<f64>) -> [f64; 2] {
+        over_line(self.h[k], x);
+        let mut squares = 0.0;
+        for (change, direction) in self.changes(k) {
+            squares += change.along(&direction, x).powi(2);
+        }
+        let rounding = self.rounding(k).map(|(memory, change)| {
             x[ROUNDING] *= memory;
-            change.along(x)
+            change.along(&ROUNDS, x)
         });
         [squares, rounding.unwrap_or(0.0)]
     }
 
     /// From the covariance at its start: that of both ends, at its end, and the variance of all changes.
-    fn spread(&self, P: &Matrix4<f64>) -> (Matrix4<f64>, Matrix4<f64>, f64) {
-        let line = line(self.h);
-        let mut together = line * P;
-        let mut after = together * line.transpose();
+    fn spread(&self, k: usize, P: &Matrix4<f64>) -> (Matrix4<f64>, Matrix4<f64>, f64) {
+        let mut together = *P;
+        over_line(self.h[k], &mut together);
+        let mut after = together.transpose();
+        over_line(self.h[k], &mut after);
         let mut variance = 0.0;
-        for change in self.changes() {
-            change.follow(&mut together);
-            variance += change.spread(&mut after);
+        for (change, direction) in self.changes(k) {
+            change.follow(&direction, &mut together);
+            variance += change.spread(&direction, &mut after);
         }
-        if let Some((memory, change)) = &self.rounding {
+        if let Some((memory, change)) = self.rounding(k) {
             together.row_mut(ROUNDING).scale_mut(*memory);
             after.row_mut(ROUNDING).scale_mut(*memory);
             after.column_mut(ROUNDING).scale_mut(*memory);
-            change.follow(&mut together);
-            change.spread(&mut after);
+            change.follow(&ROUNDS, &mut together);
+            change.spread(&ROUNDS, &mut after);
         }
         (together, after, variance)
+    }
+
+    fn changes(&self, k: usize) -> impl Iterator<Item = (&Change, Vector4<f64>)> {
+        let own = &self.changes[self.count * k..self.count * (k + 1)];
+        own.iter().zip(directions(self.count, self.h[k]))
+    }
+
+    fn rounding(&self, k: usize) -> Option<&(f64, Change)> {
+        self.rounding.get(k)?.as_ref()
     }
 }
 
@@ -278,7 +312,7 @@ struct Start {
     level: f64,
     mean: Vector4<f64>,
     covariance: Matrix4<f64>,
-    intervals: Vec<Interval>,
+    path: Path,
     deviance: f64,
 }
 
@@ -292,18 +326,18 @@ impl InputSamples<'_> {
     /// The start with the standard deviation of a plain change at each grid time; `None` without samples.
     fn start(&self, sizes: &[f64]) -> Option<Start> {
         let level = self.samples.iter().find(|s| !s.of_slope)?.value;
-        let (held, intervals) = self.backward(sizes, level);
+        let (held, path) = self.backward(sizes, level);
         let sigmas = self.before_samples(sizes)?;
         let D = Matrix4::from_diagonal(&sigmas);
         let unit = (Matrix4::identity() + D * held.L * D).cholesky()?;
         let covariance = D * unit.inverse() * D;
         let mean = covariance * held.eta;
-        let squares = self.squares(level, mean, &intervals, (sizes, &sigmas));
+        let squares = self.squares(level, mean, &path, (sizes, &sigmas));
         Some(Start {
             level,
             mean,
             covariance,
-            intervals,
+            path,
             deviance: held.log_det + unit.determinant().ln() + squares,
         })
     }
@@ -331,19 +365,6 @@ impl InputSamples<'_> {
         ))
     }
 
-    /// Directions of the changes at the end of an interval.
-    fn directions(&self, h: f64) -> [Option<Vector4<f64>>; 3] {
-        if !self.all_along {
-            return [Some(Vector4::new(0.0, 1.0, 0.0, 0.0)), None, None];
-        }
-        [
-            [h * h / 6.0, 0.5 * h, 1.0],
-            [h * h / 48.0_f64.sqrt(), h / 12.0_f64.sqrt(), 0.0],
-            [h * h / 720.0_f64.sqrt(), 0.0, 0.0],
-        ]
-        .map(|[value, slope, own]| Some(Vector4::new(value, slope, own, 0.0)))
-    }
-
     /// The posterior with the standard deviation of a plain change at each grid time; `None` without samples.
     pub fn posterior(&self, sizes: &[f64]) -> Option<InputPosterior> {
         self.start(sizes).map(|start| forward(start, true))
@@ -355,36 +376,42 @@ impl InputSamples<'_> {
     }
 
     /// What all samples hold of the first state, and the way back to it.
-    fn backward(&self, sizes: &[f64], level: f64) -> (Information, Vec<Interval>) {
+    fn backward(&self, sizes: &[f64], level: f64) -> (Information, Path) {
         let n = self.time_s.len();
+        let count = if self.all_along { 3 } else { 1 };
+        let rounded = self.samples.iter().any(|s| s.rounding > 0.0);
         let mut samples = self.samples.iter().rev().peekable();
         let mut held = Information::default();
-        let rounds = Vector4::new(0.0, 0.0, 0.0, 1.0);
-        let mut intervals = Vec::with_capacity(n - 1);
+        let mut path = Path {
+            h: self.time_s.windows(2).map(|w| w[1] - w[0]).collect(),
+            changes: Vec::with_capacity(count * (n - 1)),
+            count,
+            rounding: Vec::new(),
+        };
         for k in (1..n).rev() {
             let mut rounding = None;
             while let Some(sample) = samples.next_if(|s| s.at == k) {
                 held.take(sample, level);
-                if !sample.of_slope {
-                    let change = held.before_change(rounds, sample.fresh());
+                if rounded && !sample.of_slope {
+                    let change = held.before_change(&ROUNDS, sample.fresh());
                     held.before_fading(sample.memory);
                     rounding = Some((sample.memory, change));
                 }
             }
-            let h = self.time_s[k] - self.time_s[k - 1];
+            if rounded {
+                path.rounding.push(rounding);
+            }
+            let h = path.h[k - 1];
             let variance = (sizes[k] * self.changes[k]).powi(2);
-            let directions = self.directions(h);
-            let changes = directions.map(|d| d.map(|d| held.before_change(d, variance)));
+            for direction in directions(count, h)[..count].iter().rev() {
+                path.changes.push(held.before_change(direction, variance));
+            }
             held.before_line(h);
-            intervals.push(Interval {
-                h,
-                changes,
-                rounding,
-            });
         }
         samples.for_each(|sample| held.take(sample, level));
-        intervals.reverse();
-        (held, intervals)
+        path.changes.reverse();
+        path.rounding.reverse();
+        (held, path)
     }
 
     /// Squares of samples, changes and start along the mean motion, each over its variance.
@@ -392,7 +419,7 @@ impl InputSamples<'_> {
         &self,
         level: f64,
         first: Vector4<f64>,
-        intervals: &[Interval],
+        path: &Path,
         (sizes, sigmas): (&[f64], &Vector4<f64>),
     ) -> f64 {
         let over = |square: f64, variance: f64| match variance > 0.0 {
@@ -406,9 +433,9 @@ impl InputSamples<'_> {
         let mut x = first;
         for (k, size) in sizes.iter().enumerate() {
             let mut rounding = 0.0;
-            if let Some(interval) = k.checked_sub(1).and_then(|before| intervals.get(before)) {
+            if let Some(before) = k.checked_sub(1) {
                 let squares;
-                [squares, rounding] = interval.along(&mut x);
+                [squares, rounding] = path.along(before, &mut x);
                 sum += over(squares, (size * self.changes[k]).powi(2));
             }
             while let Some(sample) = samples.next_if(|s| s.at == k) {
@@ -487,12 +514,12 @@ fn forward(start: Start, with_errors: bool) -> InputPosterior {
     let mut slope = vec![x[SLOPE]];
     let mut acceleration = vec![x[ACCELERATION]];
     let mut squares = vec![0.0];
-    let mut steps = Vec::with_capacity(start.intervals.len());
-    for interval in &start.intervals {
-        let (together, after, variance) = interval.spread(&P);
-        squares.push(interval.along(&mut x)[0] + variance);
+    let mut errors = ErrorProcess::new(initial, []);
+    for k in 0..start.path.h.len() {
+        let (together, after, variance) = start.path.spread(k, &P);
+        squares.push(start.path.along(k, &mut x)[0] + variance);
         if with_errors {
-            steps.push(ErrorStep::between([&P, &together, &after].map(motion)));
+            errors.push(&ErrorStep::between([&P, &together, &after].map(motion)));
         }
         P = after;
         value.push(start.level + x[VALUE]);
@@ -503,7 +530,7 @@ fn forward(start: Start, with_errors: bool) -> InputPosterior {
         value,
         slope,
         acceleration,
-        errors: ErrorProcess { initial, steps },
+        errors,
         deviance: start.deviance,
         squares,
     }
@@ -729,7 +756,7 @@ mod tests {
                 |a: f64, b: f64, k: usize| assert!((a - b).abs() < 1.0e-4 * left[(k, k)], "{k}");
             let mut P = found.errors.initial;
             let mut cross = P;
-            for (k, step) in found.errors.steps.iter().enumerate() {
+            for (k, step) in found.errors.steps().enumerate() {
                 same(P[(0, 0)], left[(k, k)], k);
                 same((step.memory * P)[(0, 0)], left[(k + 1, k)], k);
                 if memory.is_none() {
@@ -804,7 +831,7 @@ mod tests {
         // The dense inverse is that much off: the start is a thousand times wider than what is left.
         const EQUAL: f64 = 1.0e-2;
         let mut P = found.errors.initial;
-        for (k, step) in found.errors.steps.iter().enumerate() {
+        for (k, step) in found.errors.steps().enumerate() {
             let mean = |order: usize| toward((order, time_s[k])).dot(&(&weights * &y));
             let sigma = |order: usize| left((order, time_s[k]), (order, time_s[k])).sqrt();
             assert!(
@@ -862,7 +889,7 @@ mod tests {
                 let samples: Vec<InputSample> = time_s.iter().enumerate().map(&mut read).collect();
                 let found = JointMotion::new(&time_s, (&samples, &[]), step > 0.0).unwrap();
                 let mut P = found.errors.initial;
-                for (k, s) in found.errors.steps.iter().enumerate() {
+                for (k, s) in found.errors.steps().enumerate() {
                     let off = [
                         found.position[k] - sum(time_s[k], 0),
                         found.rate[k] - sum(time_s[k], 1),

@@ -373,9 +373,9 @@ fn correlation(errors: &InputErrors, i: usize, j: usize) -> f64 {
 /// Covariance of value, slope and its slope at one grid time with those at another one.
 fn covariance(process: &ErrorProcess, i: usize, j: usize) -> Matrix3<f64> {
     let (first, last) = (i.min(j), i.max(j));
-    let along = |P, s: &ErrorStep| s.memory * P * s.memory.transpose() + s.fresh;
-    let here = process.steps[..first].iter().fold(process.initial, along);
-    let on = process.steps[first..last].iter();
+    let along = |P, s: ErrorStep| s.memory * P * s.memory.transpose() + s.fresh;
+    let here = process.steps().take(first).fold(process.initial, along);
+    let on = process.steps().take(last).skip(first);
     let later = on.fold(here, |P, s| s.memory * P);
     if i > j { later } else { later.transpose() }
 }
@@ -385,14 +385,12 @@ fn of_variance(errors: &InputErrors, variance: f64) -> InputErrors {
     let InputErrors::Process(process) = errors else {
         return errors.clone();
     };
-    let step = |s: &ErrorStep| ErrorStep {
+    let step = |s: ErrorStep| ErrorStep {
         fresh: s.fresh * variance,
-        ..*s
+        ..s
     };
-    InputErrors::Process(ErrorProcess {
-        initial: process.initial * variance,
-        steps: process.steps.iter().map(step).collect(),
-    })
+    let initial = process.initial * variance;
+    InputErrors::Process(ErrorProcess::new(initial, process.steps().map(step)))
 }
 
 /// A speed whose error moves with those of its slope and of the slope of that, new in all at every third grid time.
@@ -402,10 +400,8 @@ fn process() -> InputErrors {
         fresh: Matrix3::new(0.2, 0.05, 0.02, 0.05, 0.3, 0.1, 0.02, 0.1, 0.2)
             * f64::from(u8::from(k.is_multiple_of(3))),
     };
-    InputErrors::Process(ErrorProcess {
-        initial: Matrix3::new(1.0, -0.3, 0.1, -0.3, 0.5, 0.1, 0.1, 0.1, 0.4),
-        steps: (0..200).map(step).collect(),
-    })
+    let initial = Matrix3::new(1.0, -0.3, 0.1, -0.3, 0.5, 0.1, 0.1, 0.1, 0.4);
+    InputErrors::Process(ErrorProcess::new(initial, (0..200).map(step)))
 }
 
 /// Readings every so many grid times.

@@ -121,15 +121,10 @@ fn of_joint(o: &Observations, j: usize) -> Option<SmoothCurve> {
     }
     let picked = readings(o, errors);
     let h = typical_step(o, &picked)?;
-    // All noise is that of processes.
-    let [q, rate] = match errors {
-        InputErrors::Process(process) => process.mean_variances(),
-        _ => [1.0, 1.0 / (h * h)],
-    };
     let reading = |&k: &usize| Reading {
         time_s: o.time_s[k],
-        value: Some((o.joint_position[k * dof + j], q)),
-        slope: Some((o.joint_rate[k * dof + j], rate)),
+        value: Some((o.joint_position[k * dof + j], 1.0)),
+        slope: Some((o.joint_rate[k * dof + j], 1.0 / (h * h))),
     };
     SmoothCurve::new(&picked.iter().map(reading).collect::<Vec<_>>())
 }

@@ -34,7 +34,7 @@ mod sparse;
 pub(crate) use points::{approximate, increments};
 
 use crate::motion::{Column, Instant, Matrix6x12, Motion, State, matrix, pose_change};
-use crate::problem::error_process::{ErrorProcess, ErrorStep};
+use crate::problem::error_process::ErrorProcess;
 use crate::problem::segment::{InputErrors, Noise, Observations, Segment, SensorRecord};
 use filter::Filter;
 use nalgebra::{DMatrix, Matrix3 as Square, Vector3 as Errors};
@@ -586,13 +586,13 @@ impl InputNoise {
                         let at = self.place(c, after as isize);
                         let here = vector[at..].iter_mut().zip(&error);
                         here.take(process.width()).for_each(|(v, e)| *v = *e);
-                        let step = process.steps.get(after);
+                        let step = process.step(after);
                         error = step.map_or_else(Errors::zeros, |s| s.memory * error);
                     }
                     self.filter.add_outer(&vector, 1.0);
                 }
-                let step = process.steps.get(first);
-                fresh = step.map_or([Errors::zeros(); 3], ErrorStep::root);
+                let step = process.step(first);
+                fresh = step.map_or([Errors::zeros(); 3], |step| step.root());
             }
         }
     }
@@ -605,7 +605,7 @@ impl InputNoise {
                 Memory::Alone(errors) => rows.push([(here, errors.memory(k))]),
                 Memory::Follows => {}
                 Memory::Process(process) => {
-                    let step = process.steps.get(k);
+                    let step = process.step(k);
                     let m = step.map_or_else(Square::zeros, |s| s.memory);
                     let n = process.width();
                     (0..n).for_each(|i| rows.push((0..n).map(|j| (here + j, m[(i, j)]))));
@@ -663,7 +663,7 @@ impl InputNoise {
                 }
             });
             let here = self.place(c, 0);
-            let process = memory.process().and_then(|p| p.steps.get(k - 1));
+            let process = memory.process().and_then(|p| p.step(k - 1));
             let alone = [memory.alone(k - 1), 0.0, 0.0];
             let kept = process.map_or(alone, |s| [0, 1, 2].map(|j| s.memory[(0, j)]));
             for (i, &row) in self.active.iter().enumerate() {
@@ -784,8 +784,8 @@ impl InputNoise {
                     }
                 }
                 Memory::Process(process) => {
-                    let step = process.steps.get(k);
-                    let roots = step.map_or([Errors::zeros(); 3], ErrorStep::root);
+                    let step = process.step(k);
+                    let roots = step.map_or([Errors::zeros(); 3], |step| step.root());
                     for new in roots.into_iter().take(process.width()) {
                         vector.fill(0.0);
                         let reaches = vector.iter_mut().zip(at_once);

@@ -168,10 +168,10 @@ fn errors(errors: &InputErrors, places: &[Place], old_s: &[f64]) -> InputErrors 
         }
         InputErrors::Process(process) => {
             let part = |pair: &[Place]| step(process, [pair[0], pair[1]], old_s);
-            InputErrors::Process(ErrorProcess {
-                initial: process.initial,
-                steps: places.windows(2).map(part).collect(),
-            })
+            InputErrors::Process(ErrorProcess::new(
+                process.initial,
+                places.windows(2).map(part),
+            ))
         }
         other => other.clone(),
     }
@@ -184,10 +184,10 @@ fn step(process: &ErrorProcess, [a, b]: [Place; 2], old_s: &[f64]) -> ErrorStep 
         let s = share * h;
         Matrix3::new(1.0, s, 0.5 * s * s, 0.0, 1.0, s, 0.0, 0.0, 1.0)
     };
-    match process.steps.get(a.k).filter(|_| b.k > a.k) {
+    match process.step(a.k).filter(|_| b.k > a.k) {
         Some(whole) => ErrorStep {
             memory: whole.memory * line(-a.at),
-            ..*whole
+            ..whole
         },
         None => ErrorStep {
             memory: line(b.at - a.at),

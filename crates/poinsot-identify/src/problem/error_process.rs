@@ -11,8 +11,8 @@ const ROUND_OFF: f64 = 1.0e-13;
 pub struct ErrorProcess {
     /// Covariance at the first grid time.
     pub initial: Matrix3<f64>,
-    /// From every grid time to the next one.
-    pub steps: Vec<ErrorStep>,
+    /// From every grid time to the next one: the numbers of both matrices of each step that are not zero all along.
+    steps: Vec<f64>,
 }
 
 /// From one grid time to the next one: `e' = memory e + w`.
@@ -58,6 +58,49 @@ impl ErrorStep {
 }
 
 impl ErrorProcess {
+    /// The process with this covariance at the first grid time, and these steps to the next ones.
+    pub fn new(initial: Matrix3<f64>, steps: impl IntoIterator<Item = ErrorStep>) -> Self {
+        let mut process = Self {
+            initial,
+            steps: Vec::new(),
+        };
+        steps.into_iter().for_each(|step| process.push(&step));
+        process
+    }
+
+    /// Adds the step to one grid time more.
+    pub(crate) fn push(&mut self, step: &ErrorStep) {
+        for i in 0..self.width() {
+            let row = (0..self.width()).map(|j| step.memory[(i, j)]);
+            self.steps
+                .extend(row.chain((0..=i).map(|j| step.fresh[(i, j)])));
+        }
+    }
+
+    /// The step from a grid time to the next one.
+    pub fn step(&self, k: usize) -> Option<ErrorStep> {
+        let n = self.width();
+        let mut numbers = self.steps.chunks_exact(n * (3 * n + 1) / 2).nth(k)?.iter();
+        let mut step = ErrorStep {
+            memory: Matrix3::zeros(),
+            fresh: Matrix3::zeros(),
+        };
+        for i in 0..n {
+            let mut next = || numbers.next().copied().unwrap_or(0.0);
+            (0..n).for_each(|j| step.memory[(i, j)] = next());
+            for j in 0..=i {
+                step.fresh[(i, j)] = next();
+                step.fresh[(j, i)] = step.fresh[(i, j)];
+            }
+        }
+        Some(step)
+    }
+
+    /// All steps.
+    pub fn steps(&self) -> impl Iterator<Item = ErrorStep> + '_ {
+        (0..).map_while(|k| self.step(k))
+    }
+
     /// The process at some of its grid times.
     #[must_use]
     pub fn at_times(&self, kept: &[usize]) -> Self {
@@ -66,18 +109,16 @@ impl ErrorProcess {
             fresh: Matrix3::zeros(),
         };
         let over = |from: usize, to: usize| {
-            let steps = self.steps.get(from..to).unwrap_or_default();
-            steps.iter().fold(nothing, |sum, step| sum.then(step))
+            let steps = (from..to).filter_map(|k| self.step(k));
+            steps.fold(nothing, |sum, step| sum.then(&step))
         };
         let before = over(0, kept.first().copied().unwrap_or(0));
         let initial = ErrorStep {
             memory: Matrix3::identity(),
             fresh: self.initial,
         };
-        Self {
-            initial: initial.then(&before).fresh,
-            steps: kept.windows(2).map(|w| over(w[0], w[1])).collect(),
-        }
+        let steps = kept.windows(2).map(|w| over(w[0], w[1]));
+        Self::new(initial.then(&before).fresh, steps)
     }
 
     /// Columns of a root of the covariance at the first grid time.
@@ -90,22 +131,9 @@ impl ErrorProcess {
         if self.initial[(2, 2)] > 0.0 { 3 } else { 2 }
     }
 
-    /// Variances of the errors of value and slope, the mean over all grid times.
-    pub(crate) fn mean_variances(&self) -> [f64; 2] {
-        let mut P = self.initial;
-        let mut sum = P.diagonal();
-        for step in &self.steps {
-            P = step.memory * P * step.memory.transpose() + step.fresh;
-            sum += P.diagonal();
-        }
-        let mean = sum / (1 + self.steps.len()) as f64;
-        [mean.x, mean.y]
-    }
-
     /// Correlation of the speed's error at a grid time with that at the next one, where the slope's is at its mean.
     pub(crate) fn memory(&self, k: usize) -> f64 {
-        self.steps
-            .get(k)
+        self.step(k)
             .map_or(0.0, |s| s.memory[(0, 0)].clamp(0.0, 1.0))
     }
 }
@@ -141,16 +169,14 @@ mod tests {
                 fresh,
             }
         };
-        let process = ErrorProcess {
-            initial: Matrix3::new(1.0, 0.2, 0.1, 0.2, 2.0, 0.3, 0.1, 0.3, 1.5),
-            steps: (0..9).map(step).collect(),
-        };
+        let initial = Matrix3::new(1.0, 0.2, 0.1, 0.2, 2.0, 0.3, 0.1, 0.3, 1.5);
+        let process = ErrorProcess::new(initial, (0..9).map(step));
         let covariance = |p: &ErrorProcess| {
-            let along = |P, s: &ErrorStep| s.memory * P * s.memory.transpose() + s.fresh;
-            p.steps.iter().fold(p.initial, along)
+            let along = |P, s: ErrorStep| s.memory * P * s.memory.transpose() + s.fresh;
+            p.steps().fold(p.initial, along)
         };
         let thinned = process.at_times(&[2, 3, 7, 9]);
-        assert_eq!(thinned.steps.len(), 3);
+        assert_eq!(thinned.steps().count(), 3);
         assert!((covariance(&thinned) - covariance(&process)).amax() < 1.0e-12);
         let columns = root(&process.initial).into_iter();
         let back: Matrix3<f64> = columns.map(|a| a * a.transpose()).sum();
