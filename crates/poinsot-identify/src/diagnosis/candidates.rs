@@ -20,8 +20,8 @@ const CHANGE_STEP: f64 = 1.0e-3;
 
 /// Largest number of values in the rows: 64 MiB.
 const NUMBERS: usize = 8_000_000;
-/// How many times as much memory as is allowed the values in the rows fill at least: rows of another draw of the noise, triangles
-/// and the fit are beside them.
+/// Memory of all that is held together with rows, over that of their values: rows of another draw of the noise, triangles and the fit
+/// are there as well.
 const BESIDE: f64 = 4.0;
 
 /// Cosine above which two axes are one.

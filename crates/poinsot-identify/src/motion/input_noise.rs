@@ -14,8 +14,8 @@
 //! (Kailath 1968), and so are the sensitivities that went through the same filter: maximum likelihood with errors
 //! in the inputs at a cost linear in the samples.
 //!
-//! An accelerometer measures changes of rates and speeds, so it depends on the errors at neighbouring grid times. With
-//! one, the filter's state has the errors of a window of grid times, including later ones, and those of joint rates. A
+//! An accelerometer depends on how the speed of a wheel changes, so on its errors at neighbouring grid times: with one, the filter's
+//! state has the errors of a window of grid times, including later ones. The acceleration of a joint has an error of its own. A
 //! velocity increment depends on two instants: the errors at the earlier one are kept until the later one.
 //!
 //! What lasts over samples of the errors of a sensor is part of the state too: see [`SlowError`].
