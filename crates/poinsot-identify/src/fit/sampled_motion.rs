@@ -32,10 +32,10 @@ const WHITE: f64 = 1.0e-3;
 const TAILS: f64 = 2.0;
 /// Changes before and after one with which it shares its size.
 pub(crate) const SHARED: usize = 4;
-/// Renewals of their sizes, beyond which a value moves by a small share of its error.
+/// Most renewals of their sizes, which end where none changes by more than the accuracy.
 const RENEWALS: usize = 20;
-/// Relative accuracy of the size of the changes.
-const ACCURACY: f64 = 0.02;
+/// Relative accuracy of the size of the changes: one of twice the size changes what a rate errs by a quarter of itself.
+const ACCURACY: f64 = 0.05;
 /// Range of that size: changes that move the value by this share of the noise until the next one, or of a joint until the end, and by this
 /// multiple of it until the next one.
 const RANGE: [f64; 2] = [1.0e-3, 1.0e4];
@@ -121,19 +121,32 @@ pub(crate) struct InputSamples<'a> {
 
 /// What the samples say of the motion.
 pub(crate) struct InputPosterior {
-    /// Mean value and slope at every grid time.
-    pub value: Vec<f64>,
-    pub slope: Vec<f64>,
-    /// Mean slope of the slope; zero where that changes at some times alone.
-    pub acceleration: Vec<f64>,
+    pub mean: InputMean,
     pub errors: ErrorProcess,
     /// -2 ln of the probability density of the samples, less a constant.
     pub deviance: f64,
+}
+
+/// Its mean.
+#[derive(Default)]
+pub(crate) struct InputMean {
+    /// Value and slope at every grid time.
+    pub value: Vec<f64>,
+    pub slope: Vec<f64>,
+    /// Slope of the slope; zero where that changes at some times alone.
+    pub acceleration: Vec<f64>,
     /// Mean square of the changes before every grid time, their sum.
     squares: Vec<f64>,
 }
 
-impl InputPosterior {
+impl InputMean {
+    fn push(&mut self, level: f64, x: &Vector4<f64>, squares: f64) {
+        self.value.push(level + x[VALUE]);
+        self.slope.push(x[SLOPE]);
+        self.acceleration.push(x[ACCELERATION]);
+        self.squares.push(squares);
+    }
+
     /// The mean motion at a grid time.
     fn at(&self, k: usize) -> [f64; 3] {
         [self.value[k], self.slope[k], self.acceleration[k]]
@@ -145,7 +158,9 @@ impl InputPosterior {
 struct Information {
     L: Matrix4<f64>,
     eta: Vector4<f64>,
+    /// Logarithm of the determinant, less that of a factor.
     log_det: f64,
+    factor: f64,
 }
 
 impl Information {
@@ -163,7 +178,12 @@ impl Information {
         let mean = own * along.dot(&self.eta);
         self.eta -= held * mean;
         self.L -= held * held.transpose() * own;
-        self.log_det += unit.ln();
+        self.factor *= unit;
+        // A logarithm of many takes no longer than that of one.
+        if self.factor > LARGE {
+            self.log_det += self.factor.ln();
+            self.factor = 1.0;
+        }
         Change {
             own,
             mean,
@@ -247,6 +267,8 @@ fn directions(count: usize, h: f64) -> [Vector4<f64>; 3] {
     }
 }
 
+/// A product of determinants of which the logarithm is taken.
+const LARGE: f64 = 1.0e100;
 /// The direction of a rounding error.
 const ROUNDS: Vector4<f64> = Vector4::new(0.0, 0.0, 0.0, 1.0);
 
@@ -313,7 +335,9 @@ struct Start {
     mean: Vector4<f64>,
     covariance: Matrix4<f64>,
     path: Path,
-    deviance: f64,
+    log_det: f64,
+    /// Standard deviations before the samples.
+    sigmas: Vector4<f64>,
 }
 
 impl InputSamples<'_> {
@@ -332,13 +356,13 @@ impl InputSamples<'_> {
         let unit = (Matrix4::identity() + D * held.L * D).cholesky()?;
         let covariance = D * unit.inverse() * D;
         let mean = covariance * held.eta;
-        let squares = self.squares(level, mean, &path, (sizes, &sigmas));
         Some(Start {
             level,
             mean,
             covariance,
             path,
-            deviance: held.log_det + unit.determinant().ln() + squares,
+            log_det: held.log_det + held.factor.ln() + unit.determinant().ln(),
+            sigmas,
         })
     }
 
@@ -367,12 +391,21 @@ impl InputSamples<'_> {
 
     /// The posterior with the standard deviation of a plain change at each grid time; `None` without samples.
     pub fn posterior(&self, sizes: &[f64]) -> Option<InputPosterior> {
-        self.start(sizes).map(|start| forward(start, true))
+        let start = self.start(sizes)?;
+        let mut errors = ErrorProcess::new(motion(&start.covariance), []);
+        let mean = start.forward(|covariances| {
+            errors.push(&ErrorStep::between(covariances.map(motion)));
+        });
+        Some(InputPosterior {
+            mean,
+            errors,
+            deviance: self.deviance(&start, sizes),
+        })
     }
 
-    /// The same without errors.
-    fn mean(&self, sizes: &[f64]) -> Option<InputPosterior> {
-        self.start(sizes).map(|start| forward(start, false))
+    /// Its mean.
+    fn mean(&self, sizes: &[f64]) -> Option<InputMean> {
+        Some(self.start(sizes)?.forward(|_| ()))
     }
 
     /// What all samples hold of the first state, and the way back to it.
@@ -381,7 +414,10 @@ impl InputSamples<'_> {
         let count = if self.all_along { 3 } else { 1 };
         let rounded = self.samples.iter().any(|s| s.rounding > 0.0);
         let mut samples = self.samples.iter().rev().peekable();
-        let mut held = Information::default();
+        let mut held = Information {
+            factor: 1.0,
+            ..Information::default()
+        };
         let mut path = Path {
             h: self.time_s.windows(2).map(|w| w[1] - w[0]).collect(),
             changes: Vec::with_capacity(count * (n - 1)),
@@ -414,32 +450,28 @@ impl InputSamples<'_> {
         (held, path)
     }
 
-    /// Squares of samples, changes and start along the mean motion, each over its variance.
-    fn squares(
-        &self,
-        level: f64,
-        first: Vector4<f64>,
-        path: &Path,
-        (sizes, sigmas): (&[f64], &Vector4<f64>),
-    ) -> f64 {
+    /// -2 ln of the probability density of the samples, less a constant: the determinants, and the squares of samples, changes and start
+    /// along the mean motion, each over its variance.
+    fn deviance(&self, start: &Start, sizes: &[f64]) -> f64 {
+        let mut x = start.mean;
         let over = |square: f64, variance: f64| match variance > 0.0 {
             true => square / variance,
             false => 0.0,
         };
         let mut samples = self.samples.iter().peekable();
-        let mut sum: f64 = (0..4)
-            .map(|j| over(first[j].powi(2), sigmas[j].powi(2)))
-            .sum();
-        let mut x = first;
+        let mut sum = start.log_det;
+        for j in 0..4 {
+            sum += over(x[j].powi(2), start.sigmas[j].powi(2));
+        }
         for (k, size) in sizes.iter().enumerate() {
             let mut rounding = 0.0;
             if let Some(before) = k.checked_sub(1) {
                 let squares;
-                [squares, rounding] = path.along(before, &mut x);
+                [squares, rounding] = start.path.along(before, &mut x);
                 sum += over(squares, (size * self.changes[k]).powi(2));
             }
             while let Some(sample) = samples.next_if(|s| s.at == k) {
-                let (h, value) = sample.of_state(level);
+                let (h, value) = sample.of_state(start.level);
                 sum += over(rounding.powi(2), sample.fresh());
                 sum += over((value - h.dot(&x)).powi(2), sample.white);
             }
@@ -472,8 +504,9 @@ impl InputSamples<'_> {
         };
         let range = [RANGE[0] * slow[0], RANGE[1] * fast[1]];
         let cost = |log: f64| {
-            let found = self.start(&vec![log.exp(); self.time_s.len()]);
-            found.map_or(f64::INFINITY, |start| start.deviance)
+            let sizes = vec![log.exp(); self.time_s.len()];
+            let start = self.start(&sizes);
+            start.map_or(f64::INFINITY, |start| self.deviance(&start, &sizes))
         };
         Some(least(cost, range.map(f64::ln), ACCURACY).exp())
     }
@@ -483,10 +516,10 @@ impl InputSamples<'_> {
     /// two samples they do not tell, so that neighbours share a size.
     fn with_tails(&self, mut size: f64) -> Option<(InputPosterior, Vec<f64>)> {
         let mut sizes = vec![size; self.time_s.len()];
-        let mut found = self.mean(&sizes)?;
         let places = self.changes.iter().enumerate().skip(1);
         let places: Vec<usize> = places.filter(|(_, c)| **c > 0.0).map(|(k, _)| k).collect();
         for _ in 0..RENEWALS {
+            let found = self.mean(&sizes)?;
             let of = if self.all_along { 3.0 } else { 1.0 };
             let square = |k: &usize| found.squares[*k] / (of * self.changes[*k].powi(2));
             let own: Vec<f64> = places.iter().map(square).collect();
@@ -498,41 +531,34 @@ impl InputSamples<'_> {
             let widths: Vec<f64> = (0..own.len()).map(width).collect();
             let sum: f64 = own.iter().zip(&widths).map(|(s, w)| s / w).sum();
             size = (sum / own.len().max(1) as f64).sqrt();
-            let pairs = places.iter().zip(&widths);
-            pairs.for_each(|(k, w)| sizes[*k] = size * w.sqrt());
-            found = self.mean(&sizes)?;
+            let mut most = 0.0_f64;
+            for (k, w) in places.iter().zip(&widths) {
+                let new = size * w.sqrt();
+                most = most.max((new / sizes[*k] - 1.0).abs());
+                sizes[*k] = new;
+            }
+            if most < ACCURACY {
+                break;
+            }
         }
         Some((self.posterior(&sizes)?, sizes))
     }
 }
 
-/// The motion from its first state on, with its errors or without.
-fn forward(start: Start, with_errors: bool) -> InputPosterior {
-    let (mut x, mut P) = (start.mean, start.covariance);
-    let initial = motion(&P);
-    let mut value = vec![start.level + x[VALUE]];
-    let mut slope = vec![x[SLOPE]];
-    let mut acceleration = vec![x[ACCELERATION]];
-    let mut squares = vec![0.0];
-    let mut errors = ErrorProcess::new(initial, []);
-    for k in 0..start.path.h.len() {
-        let (together, after, variance) = start.path.spread(k, &P);
-        squares.push(start.path.along(k, &mut x)[0] + variance);
-        if with_errors {
-            errors.push(&ErrorStep::between([&P, &together, &after].map(motion)));
+impl Start {
+    /// The mean motion from the first state on; `on` takes the covariances at the start of each interval, of both ends, and at its end.
+    fn forward(&self, mut on: impl FnMut([&Matrix4<f64>; 3])) -> InputMean {
+        let (mut x, mut P) = (self.mean, self.covariance);
+        let mut all = InputMean::default();
+        all.push(self.level, &x, 0.0);
+        for k in 0..self.path.h.len() {
+            let (together, after, variance) = self.path.spread(k, &P);
+            let [squares, _] = self.path.along(k, &mut x);
+            on([&P, &together, &after]);
+            P = after;
+            all.push(self.level, &x, squares + variance);
         }
-        P = after;
-        value.push(start.level + x[VALUE]);
-        slope.push(x[SLOPE]);
-        acceleration.push(x[ACCELERATION]);
-    }
-    InputPosterior {
-        value,
-        slope,
-        acceleration,
-        errors,
-        deviance: start.deviance,
-        squares,
+        all
     }
 }
 
@@ -632,9 +658,9 @@ impl JointMotion {
             }));
         }
         Some(Self {
-            position: found.value,
-            rate: found.slope,
-            acceleration: found.acceleration,
+            position: found.mean.value,
+            rate: found.mean.slope,
+            acceleration: found.mean.acceleration,
             errors,
             of_rates,
         })
@@ -740,9 +766,12 @@ mod tests {
             let left = &A * &covariance * A.transpose();
             for (k, j) in [(2, 2), (4, 3), (6, 4)] {
                 let square = numbers[j].powi(2) + covariance[(j, j)];
-                assert!((found.squares[k] - square).abs() < 1.0e-6 * square, "{k}");
+                assert!(
+                    (found.mean.squares[k] - square).abs() < 1.0e-6 * square,
+                    "{k}"
+                );
             }
-            for (k, speed) in found.value.iter().enumerate() {
+            for (k, speed) in found.mean.value.iter().enumerate() {
                 assert!((speed - 3.0 - mean[k]).abs() < 1.0e-5, "{k}");
             }
             let white: f64 = samples.iter().map(|s| s.white.ln()).sum();
@@ -835,11 +864,14 @@ mod tests {
             let mean = |order: usize| toward((order, time_s[k])).dot(&(&weights * &y));
             let sigma = |order: usize| left((order, time_s[k]), (order, time_s[k])).sqrt();
             assert!(
-                (found.value[k] - 3.0 - mean(0)).abs() < EQUAL * sigma(0),
+                (found.mean.value[k] - 3.0 - mean(0)).abs() < EQUAL * sigma(0),
                 "{k}"
             );
-            assert!((found.slope[k] - mean(1)).abs() < EQUAL * sigma(1), "{k}");
-            let off = found.acceleration[k] - mean(2);
+            assert!(
+                (found.mean.slope[k] - mean(1)).abs() < EQUAL * sigma(1),
+                "{k}"
+            );
+            let off = found.mean.acceleration[k] - mean(2);
             assert!(off.abs() < EQUAL * sigma(2), "{k}");
             let onward = step.memory * P;
             for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {

@@ -91,7 +91,9 @@ fn driven_at_random(
         }
         deviance += found.deviance;
         let column = new.wheel_speed.iter_mut().skip(w).step_by(wheels);
-        column.zip(&found.value).for_each(|(to, from)| *to = *from);
+        column
+            .zip(&found.mean.value)
+            .for_each(|(to, from)| *to = *from);
         new.wheels[w].errors = InputErrors::Process(found.errors);
     }
     new.wheels.resize_with(wheels, InputChannel::default);

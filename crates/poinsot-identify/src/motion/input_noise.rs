@@ -120,7 +120,6 @@ struct StepScratch {
     jacobian: Option<Box<DynamicsJacobian>>,
     upper: Vec<f64>,
     fresh: Vec<f64>,
-    vector: Vec<f64>,
     torque: Vec<f64>,
     rows: SparseRows,
 }
@@ -635,7 +634,6 @@ impl InputNoise {
         let StepScratch {
             mut upper,
             mut fresh,
-            mut vector,
             mut torque,
             rows,
             jacobian,
@@ -680,12 +678,11 @@ impl InputNoise {
         }
         self.advance(&upper, h, k - 1 + self.reach);
         self.renew_slow(|slow| slow.fresh(h));
-        self.innovate(&fresh, &mut vector, k - 1 + self.reach);
+        self.innovate(&fresh, k - 1 + self.reach);
         self.renew(&torque);
         self.scratch = StepScratch {
             upper,
             fresh,
-            vector,
             torque,
             rows: std::mem::take(&mut self.scratch.rows),
             jacobian,
@@ -763,38 +760,33 @@ impl InputNoise {
 
     /// Adds what is new in every error after grid time k, with what it does to the state at once: nothing where it is of a later
     /// time.
-    fn innovate(&mut self, fresh: &[f64], vector: &mut Vec<f64>, k: usize) {
-        vector.resize(self.filter.size, 0.0);
+    fn innovate(&mut self, fresh: &[f64], k: usize) {
         let reached = self.active.len();
         for (c, (_, variance)) in self.inputs.iter().enumerate() {
             let own = self.place(c, self.reach as isize);
             let at_once = fresh.get(c * reached..(c + 1) * reached).unwrap_or(&[]);
-            match &self.memory[c] {
-                Memory::Follows => {}
+            let (width, new) = match &self.memory[c] {
+                Memory::Follows => continue,
+                Memory::Process(process) => {
+                    let step = process.step(k);
+                    (
+                        process.width(),
+                        step.map_or_else(Square::zeros, |step| step.fresh),
+                    )
+                }
                 Memory::Alone(errors) => {
                     let new = variance * (1.0 - errors.memory(k).powi(2));
-                    if new > 0.0 {
-                        self.filter.add_outer_of(at_once, own, new);
-                    }
                     let expected = self.newly_expected(c, k);
                     if expected != 0.0 {
                         let reaches = at_once.iter().enumerate();
                         reaches.for_each(|(i, once)| self.filter.add_mean(i, once * expected));
                         self.filter.add_mean(own, expected);
                     }
+                    (1, Square::from_diagonal_element(new))
                 }
-                Memory::Process(process) => {
-                    let step = process.step(k);
-                    let roots = step.map_or([Errors::zeros(); 3], |step| step.root());
-                    for new in roots.into_iter().take(process.width()) {
-                        vector.fill(0.0);
-                        let reaches = vector.iter_mut().zip(at_once);
-                        reaches.for_each(|(v, once)| *v = once * new.x);
-                        let here = vector[own..].iter_mut().zip(&new);
-                        here.take(process.width()).for_each(|(v, e)| *v = *e);
-                        self.filter.add_outer(vector, 1.0);
-                    }
-                }
+            };
+            if new != Square::zeros() {
+                self.filter.add_errors(at_once, (own, width), &new);
             }
         }
     }

@@ -147,17 +147,27 @@ impl Filter {
         }
     }
 
-    /// The same of a vector that begins with `first`, and is zero behind but for a one in place `own`.
-    pub(super) fn add_outer_of(&mut self, first: &[f64], own: usize, variance: f64) {
+    /// Adds the covariance of `width` errors from place `own` on, the first of which moves the first components by `first`.
+    pub(super) fn add_errors(
+        &mut self,
+        first: &[f64],
+        (own, width): (usize, usize),
+        new: &Matrix3,
+    ) {
         for (i, a) in first.iter().enumerate() {
             let row = self.covariance.row_mut(i).as_flattened_mut();
-            row.iter_mut()
-                .zip(first)
-                .for_each(|(p, b)| *p += a * b * variance);
-            row[own] += a * variance;
-            *self.covariance.at(own, i) += a * variance;
+            let reached = row.iter_mut().zip(first);
+            reached.for_each(|(p, b)| *p += a * b * new[(0, 0)]);
+            for j in 0..width {
+                row[own + j] += a * new[(0, j)];
+            }
+            for j in 0..width {
+                *self.covariance.at(own + j, i) += a * new[(0, j)];
+            }
         }
-        *self.covariance.at(own, own) += variance;
+        for (i, j) in (0..width).flat_map(|i| (0..width).map(move |j| (i, j))) {
+            *self.covariance.at(own + i, own + j) += new[(i, j)];
+        }
     }
 
     /// More covariance of two components.
