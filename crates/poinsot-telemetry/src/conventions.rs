@@ -8,7 +8,7 @@ pub(crate) mod reading;
 pub(crate) use change::line;
 pub use change::{Change, Line, Repair, UNIT_FACTORS, unit_mistake};
 
-use crate::{Axes, Channel, Dimension, Order, Sense, Table, classify, full_name};
+use crate::{Axes, Channel, Dimension, Order, Sense, Table, Turned, classify, full_name};
 use pairs::{Pairs, Sums};
 use poinsot_files::{Faults, Place, rounded};
 use reading::{Hypothesis, Row, axes, rate_units};
@@ -214,7 +214,7 @@ pub fn convention_tests(table: &Table) -> Vec<ConventionTest> {
         .iter()
         .flat_map(|q| gyros.iter().map(move |w| (q, w)));
     let attitudes = pairs.filter_map(|(q, w)| of_attitude(&table.at(q), &table.at(w)));
-    let rates = places(table).filter_map(|(place, rate)| of_place(&place, &rate));
+    let rates = places(table).filter_map(|(place, rate)| of_place(table, &place, &rate));
     attitudes.chain(of_directions(table)).chain(rates).collect()
 }
 
@@ -253,7 +253,7 @@ fn of_attitude(attitude: &[&Channel], gyro: &[&Channel]) -> Option<ConventionTes
     let (q, rates) = (names(attitude), names(gyro));
     let (units, axes) = (rate_units(gyro, &rates)?, axes(&rates, "body rates = gyro"));
     // The inverse attitude turns by the opposite of an inertial rate, and no gyro has all of its axes reversed.
-    let inertial = Row::of(&rates, Change::InertialRates);
+    let inertial = Row::of(&rates, Change::Turned(Turned::Rates));
     let senses = [Sense::BodyToInertial, Sense::InertialToBody];
     let attitudes = [Order::Xyzw, Order::Wxyz].into_iter().flat_map(|order| {
         senses.map(|sense| {
@@ -369,7 +369,7 @@ fn places(table: &Table) -> impl Iterator<Item = (Vec<&Channel>, Vec<&Channel>)>
 }
 
 /// Places against their rates: signs, units, and of vectors the axes. Either may be wrong: both are rows.
-fn of_place(place: &[&Channel], rate: &[&Channel]) -> Option<ConventionTest> {
+fn of_place(table: &Table, place: &[&Channel], rate: &[&Channel]) -> Option<ConventionTest> {
     let pairs = Pairs::collect(place, rate)?;
     let sums = pairs.as_declared();
     let [places, rates] = [place, rate].map(names);
@@ -399,7 +399,24 @@ fn of_place(place: &[&Channel], rate: &[&Channel]) -> Option<ConventionTest> {
         ];
         either.map(|row| Hypothesis::of([&row], sums.residual(1.0, axes)))
     }));
+    // Where they agree as declared, in no other axes.
+    if place.len() > 1 && sums.residual(1.0, Axes::IDENTITY) > RESOLUTION * sums.rate() {
+        for (turned, own) in [(Turned::Velocities, &rates), (Turned::Positions, &places)] {
+            let residual = in_body_axes(table, turned, &place.first()?.sensor);
+            let row = Row::of(own, Change::Turned(turned));
+            readings.extend(residual.map(|residual| Hypothesis::of([&row], residual)));
+        }
+    }
     let between = [places.join(", "), rates.join(", ")];
     let unit = &rate.first()?.unit;
     ConventionTest::of(["position", "rate"], between, unit, &[&pairs], readings)
+}
+
+/// The difference of position and velocity of a sensor, one of which is in body axes; `None` without an attitude.
+fn in_body_axes(table: &Table, turned: Turned, sensor: &str) -> Option<f64> {
+    let mut table = table.clone();
+    turned.turn(&mut table).ok()?;
+    let [r, v] = ["r", "v"].map(|prefix| table.vector(Some(sensor), prefix));
+    let sums = Pairs::collect(&r?, &v?)?.as_declared();
+    Some(sums.residual(1.0, Axes::IDENTITY))
 }

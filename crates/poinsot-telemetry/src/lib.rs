@@ -136,6 +136,7 @@ pub use memory::{MemoryColumns, Part, Spooled, Values};
 pub use mounting::{Mounting, mount};
 pub use noise::{NoiseLevel, common_step, noise_level};
 pub use options::{Encoding, MEMORY_MIB, ReadOptions};
+pub use orbital::Turned;
 pub use read::{read, read_parts};
 pub use recognise::{Found, FoundAttitude, Kind, Recognition, recognise};
 pub use resample::{GAP, resample, resample_attitude, resample_hermite};

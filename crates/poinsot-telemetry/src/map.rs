@@ -22,6 +22,13 @@ pub struct TelemetryMap {
     /// turns them. Default false.
     #[serde(skip_serializing_if = "is_usual")]
     pub inertial_rates: bool,
+    /// true: the velocities are in the axes of the body, as u, v, w of flight mechanics, not in inertial ones; the attitude turns them.
+    /// Default false.
+    #[serde(skip_serializing_if = "is_usual")]
+    pub body_velocities: bool,
+    /// true: the positions are in the axes of the body; the attitude turns them. Default false.
+    #[serde(skip_serializing_if = "is_usual")]
+    pub body_positions: bool,
     /// Settings for the files of one name, in addition to those for all.
     #[serde(rename = "file", skip_serializing_if = "is_usual")]
     pub files: Vec<NamedMap>,

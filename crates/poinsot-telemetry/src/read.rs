@@ -9,7 +9,7 @@ use crate::packing::unpacked_name;
 use crate::plan::{Plan, PlannedChannel};
 use crate::selection::WhenFull;
 use crate::{
-    FileMap, Part, ReadOptions, Source, Table, TelemetryMap, assemble, check_conventions,
+    FileMap, Part, ReadOptions, Source, Table, TelemetryMap, Turned, assemble, check_conventions,
     csv_reader, full_name, memory, mount, orbital, parquet_reader, plan, time_base,
 };
 use poinsot_files::{Faults, Place, as_read};
@@ -84,8 +84,11 @@ pub fn read_parts(parts: &[Part], options: &ReadOptions) -> Result<Table, Faults
     if let Some(map) = &options.map.orbital_frame {
         orbital::to_inertial(&mut table, map)?;
     }
-    if options.map.inertial_rates {
-        orbital::to_body(&mut table)?;
+    let mut map = options.map.clone();
+    for turned in Turned::ALL {
+        if *turned.declared(&mut map) {
+            turned.turn(&mut table)?;
+        }
     }
     if options.check_conventions {
         check_conventions(&table)?;

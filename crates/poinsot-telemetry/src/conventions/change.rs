@@ -2,7 +2,7 @@
 
 use crate::{
     AttitudeColumn, AttitudeMap, Axes, ColumnMap, FileMap, OrbitalMap, Order, Sense, TelemetryMap,
-    TimeFormat, TimeMap, classify, parse_unit,
+    TimeFormat, TimeMap, Turned, classify, parse_unit,
 };
 use poinsot_files::to_digits;
 use serde::Serialize;
@@ -72,8 +72,8 @@ pub enum Change {
     ClosesLate(f64),
     /// The times of the samples are late by this, s.
     Late(f64),
-    /// Rates are in inertial axes.
-    InertialRates,
+    /// Vectors are in other axes, from which the attitude turns them.
+    Turned(Turned),
     /// Attitudes are relative to orbital axes, which turn at this rate, rad/s; whether the rates are too.
     OrbitalAxes(f64, bool),
 }
@@ -127,14 +127,15 @@ impl Repair {
                     .is_none()
                     .then(|| vec![line])
             }
-            Change::InertialRates => {
-                let text = "inertial_rates = true".to_owned();
+            Change::Turned(turned) => {
+                let key = turned.key().to_owned();
+                let text = format!("{key} = true");
                 let line = Line {
-                    key: "inertial_rates".to_owned(),
+                    key,
                     changed: text.clone(),
                     text,
                 };
-                (!std::mem::replace(&mut map.inertial_rates, true)).then(|| vec![line])
+                (!std::mem::replace(turned.declared(map), true)).then(|| vec![line])
             }
             _ => self.declare_columns(map),
         }

@@ -61,7 +61,10 @@ impl Row {
         let words = match change {
             Change::Factor(x) => format!("{names} times {}", rounded(x, 6)),
             Change::Axes(axes) => format!("{names} in the axes {axes}"),
-            Change::InertialRates => "gyro in inertial axes, not in body axes".to_owned(),
+            Change::Turned(turned) => {
+                let [what, axes, usual] = turned.words();
+                format!("{what} in {axes} axes, not in {usual} axes")
+            }
             _ => names,
         };
         Self::with(words, channels, change)
@@ -156,7 +159,7 @@ impl Hypothesis {
     /// Whether the axes are those that are declared.
     pub fn is_along(&self) -> bool {
         let turns =
-            |row: &Arc<Row>| matches!(row.repair.change, Change::InertialRates | Change::Axes(_));
+            |row: &Arc<Row>| matches!(row.repair.change, Change::Turned(_) | Change::Axes(_));
         !self.rows.iter().any(turns)
     }
 

@@ -394,6 +394,18 @@ fn attitudes() -> Vec<Example> {
             ]
             .concat(),
         ),
+        example(
+            "body_velocities",
+            "body_velocities = true",
+            "time_s,v_x,v_y,v_z,q_x,q_y,q_z,q_w\n0,1,0,0,0,0,0.7071067811865476,0.7071067811865476\n1,2,0,0,0,0,0.7071067811865476,0.7071067811865476\n",
+            [two("v_x", [0.0, 0.0]), two("v_y", [1.0, 2.0])].concat(),
+        ),
+        example(
+            "body_positions",
+            "body_positions = true",
+            "time_s,r_x,r_y,r_z,q_x,q_y,q_z,q_w\n0,1,0,0,0,0,0.7071067811865476,0.7071067811865476\n1,2,0,0,0,0,0.7071067811865476,0.7071067811865476\n",
+            [two("r_x", [0.0, 0.0]), two("r_y", [1.0, 2.0])].concat(),
+        ),
     ]
 }
 

@@ -1,6 +1,6 @@
 //! A record as it would be read by another convention.
 
-use super::table::{Convention, Place, changed, turned};
+use super::table::{Convention, Place, turned};
 use crate::fit::experiment::Experiment;
 use crate::problem::segment::{Segment, SensorValue};
 use poinsot_model::SensorKind;
@@ -116,7 +116,10 @@ fn put_segment_right(segment: &mut Segment, convention: &Convention, experiment:
                 return;
             };
             for sample in &mut sensor.samples {
-                sample.value = changed(sample.value, change);
+                let R_NB = s.R_NB.get(nearest(&s.time_s, o.time_s[sample.to]));
+                if let SensorValue::Vector(v) = &mut sample.value {
+                    *v = turned(change, R_NB, v);
+                }
             }
             let start = &mut s.translation;
             let read: Vec<&mut Vec<Vector3>> = match sensor.kind {
@@ -129,7 +132,8 @@ fn put_segment_right(segment: &mut Segment, convention: &Convention, experiment:
                     .collect(),
             };
             for values in read {
-                values.iter_mut().for_each(|v| *v = turned(change, v));
+                let all = values.iter_mut().zip(&s.R_NB);
+                all.for_each(|(v, R_NB)| *v = turned(change, Some(R_NB), v));
             }
         }
         _ => {}

@@ -5,11 +5,11 @@ use crate::diagnosis::candidates::moves;
 use crate::fit::experiment::Experiment;
 use crate::problem::Problem;
 use crate::problem::parameters::UnknownKind;
-use crate::problem::segment::{InputRate, SensorRecord, SensorSample, SensorValue};
+use crate::problem::segment::{InputRate, SensorRecord, SensorSample};
 use poinsot_dynamics::{SensorError, printed_unit};
 use poinsot_model::{JointKind, SensorKind, rounded};
-use poinsot_spatial::Vector3;
-use poinsot_telemetry::{Axes, Change, Repair, UNIT_FACTORS, full_name, unit_mistake};
+use poinsot_spatial::{UnitQuaternion, Vector3};
+use poinsot_telemetry::{Axes, Change, Repair, Turned, UNIT_FACTORS, full_name, unit_mistake};
 use std::f64::consts::PI;
 
 /// Ratios that are tried of a joint, of either sign.
@@ -260,7 +260,13 @@ fn sensors(problem: &Problem) -> Vec<Vec<Convention>> {
         let step = |two: &[SensorSample]| time_s[two[1].to] - time_s[two[0].to];
         let step = median(times.map(step).collect());
         let late = STEPS.map(|k| Change::Late(k * step));
-        Some([&axes[..], &units, &late].map(|changes| rows(&own, changes, fixed)))
+        let turned = match sensor.kind {
+            SensorKind::Velocity => Some(Turned::Velocities),
+            SensorKind::Position => Some(Turned::Positions),
+            _ => None,
+        };
+        let turned: Vec<Change> = turned.into_iter().map(Change::Turned).collect();
+        Some([&axes[..], &units, &late, &turned].map(|changes| rows(&own, changes, fixed)))
     };
     let sensors = first.sensors.iter().enumerate();
     sensors.filter_map(of).flatten().collect()
@@ -354,6 +360,11 @@ impl Convention {
             }
             (_, Change::Axes(axes)) => {
                 let words = format!("other axes of {owner} {axes}");
+                (Convention, words)
+            }
+            (_, Change::Turned(turned)) => {
+                let key = turned.key();
+                let words = format!("{owner} in body axes, not in inertial axes ({key} = true)");
                 (Convention, words)
             }
             (Place::Joints(_), Change::Factor(-1.0)) => {
@@ -473,19 +484,12 @@ fn ratio(value: f64) -> Option<f64> {
     nearest.map(|r| r.copysign(value))
 }
 
-/// A vector in other axes or units.
-pub(super) fn turned(change: Change, v: &Vector3) -> Vector3 {
-    match change {
-        Change::Axes(axes) => axes.turned(v),
-        Change::Factor(x) => x * v,
+/// A vector in other axes or units, while the base has this attitude.
+pub(super) fn turned(change: Change, R_NB: Option<&UnitQuaternion>, v: &Vector3) -> Vector3 {
+    match (change, R_NB) {
+        (Change::Axes(axes), _) => axes.turned(v),
+        (Change::Factor(x), _) => x * v,
+        (Change::Turned(_), Some(R_NB)) => R_NB * v,
         _ => *v,
-    }
-}
-
-/// A value of a sensor in other axes or units.
-pub(super) fn changed(value: SensorValue, change: Change) -> SensorValue {
-    match value {
-        SensorValue::Vector(v) => SensorValue::Vector(turned(change, &v)),
-        value => value,
     }
 }

@@ -435,7 +435,7 @@ fn exact_late_times_and_rates_in_inertial_axes() {
     assert_eq!((x.time_s[0], x.time_s.last()), (-0.5, Some(&6.5)));
     assert!(x.values.iter().all(|w| (w - 1.0).abs() < 1e-14));
     assert!(y.values.iter().all(|w| w.abs() < 1e-14));
-    let left_out = "1 sample of the angular velocity left out: no attitude at the same time";
+    let left_out = "1 sample of omega_x..z left out: no attitude at the same time";
     assert!(
         table.repairs.iter().any(|r| r == left_out),
         "{:?}",

@@ -25,7 +25,7 @@ impl Row {
             channel: channel.to_owned(),
             said: said.iter().map(|s| (*s).to_owned()).collect(),
             spoil,
-            told: !["held", "orbital", "body axes", "mass centre"].contains(&kind),
+            told: !["held", "orbital", "mass centre"].contains(&kind),
         }
     }
 
