@@ -134,24 +134,34 @@ fn begun(whole: &Problem, share: f64) -> Vec<Segment> {
 }
 
 impl Short<'_> {
-    /// The nearer start of a fit, and its cost: the nominal numbers, or what the beginning before tells.
-    fn start(&self, experiment: &Experiment) -> Option<(f64, Iterate)> {
+    /// Where fits start: the nominal numbers, and what the beginning before tells.
+    fn starts(&self, experiment: &Experiment) -> impl Iterator<Item = Iterate> {
         let nominal = experiment.nominal_point();
-        let starts = std::iter::once(nominal).chain(self.before_it.clone());
-        let costs = starts.filter_map(|at| Some((experiment.cost(&at)?, at)));
-        costs.min_by(|a, b| a.0.total_cmp(&b.0))
+        std::iter::once(nominal).chain(self.before_it.clone())
+    }
+
+    /// The cost at the nearer start.
+    fn cost(&self, experiment: &Experiment) -> Option<f64> {
+        let costs = self.starts(experiment).map(|at| experiment.cost(&at));
+        costs.flatten().min_by(f64::total_cmp)
+    }
+
+    /// The better end of a few iterations from either start: a beginning that a mistake fits tells of another vehicle.
+    fn fitted(&self, experiment: &Experiment) -> Option<Fitted> {
+        let fits = self.starts(experiment);
+        let fits = fits.filter_map(|at| fit_from(experiment, at, MISTAKE_ITERATIONS / 2));
+        fits.min_by(|a, b| experiment.cost_of(a).total_cmp(&experiment.cost_of(b)))
     }
 
     /// Those with which a few iterations lead nearer than without, the best first.
     fn promising(&self, kind: &[Convention]) -> Vec<Convention> {
         let own = &self.experiment;
-        let start = self.start(own);
-        let cost = start.as_ref().map_or(f64::INFINITY, |start| start.0);
-        let found = start.and_then(|(_, at)| fit_from(own, at, MISTAKE_ITERATIONS / 2));
+        let cost = self.cost(own).unwrap_or(f64::INFINITY);
+        let found = self.fitted(own);
         let (fitted, rows) =
             found.map_or((f64::INFINITY, 0.0), |f| (own.cost_of(&f), f.rows() as f64));
         let leads = |c: &Convention| {
-            let there = put_right(own, c, |other| Some(self.start(other)?.0))?;
+            let there = put_right(own, c, |other| self.cost(other))?;
             // What changes nothing here explains nothing; what is far worse moves too fast to be fitted.
             let tame = there != cost && there < WILD * cost;
             let cost = tame.then(|| self.fitted_cost(c)).flatten();
@@ -174,8 +184,7 @@ impl Short<'_> {
     /// What the fit of a record with the correction leaves after a few iterations.
     fn fitted_cost(&self, convention: &Convention) -> Option<f64> {
         put_right(&self.experiment, convention, |other| {
-            let found = fit_from(other, self.start(other)?.1, MISTAKE_ITERATIONS / 2)?;
-            Some(other.cost_of(&found))
+            Some(other.cost_of(&self.fitted(other)?))
         })
     }
 
@@ -229,7 +238,7 @@ fn of_record(
     convention: Convention,
 ) -> Option<(Convention, f64)> {
     let mut at = put_right(&short.experiment, &convention, |other| {
-        fitting(other, short.start(other)?.1, MISTAKE_ITERATIONS / 2)
+        explaining(other, short.fitted(other)?)
     })?;
     for longer in BEGINNINGS
         .into_iter()
@@ -279,7 +288,11 @@ fn refined(
 
 /// Where a fit ends that explains the record roughly.
 fn fitting(experiment: &Experiment, from: Iterate, iterations: usize) -> Option<Iterate> {
-    let found = fit_from(experiment, from, iterations)?;
+    explaining(experiment, fit_from(experiment, from, iterations)?)
+}
+
+/// Where it ended, if it explains the record roughly.
+fn explaining(experiment: &Experiment, found: Fitted) -> Option<Iterate> {
     let gross = experiment.settings.diagnosis.gross_misfit;
     let fits = experiment.cost_of(&found) < gross * found.rows() as f64;
     fits.then_some(found.at)
