@@ -364,13 +364,13 @@ fn place(owner: &Owner, table: &Table, com: Vector3<f64>) -> Vec<Row> {
         Row::new(
             "thousandth",
             name,
-            &[name, "times|unit|thousand"],
+            &[&format!("the {name}|{}", all[0]), "times|unit|thousand"],
             factor(1.0e-3),
         ),
         Row::new(
             "thousandfold",
             name,
-            &[name, "times|unit|thousand"],
+            &[&format!("the {name}|{}", all[0]), "times|unit|thousand"],
             factor(1.0e3),
         ),
     ];
