@@ -416,6 +416,9 @@ impl InputNoise {
             };
         }
         for (c, at_once) in now.at_once.iter().enumerate() {
+            if !matches!(self.inputs[c].0, Input::Joint(_)) {
+                continue;
+            }
             let at = self.place(c, 0);
             self.columns[at] = *at_once;
             self.twists[at] += map.fixed_view::<6, 6>(0, 0) * pose_of(at_once) + turned(at_once);
@@ -649,15 +652,21 @@ impl InputNoise {
         }
         self.torque_rows(&A, h, &mut upper, &mut torque);
         for (c, memory) in self.memory.iter().enumerate() {
-            let turn = (now.at_once[c] - before.at_once[c]) * 0.5;
+            // What follows drives nothing.
+            if matches!(memory, Memory::Follows) {
+                let reached = if ahead { 0 } else { self.active.len() };
+                fresh.resize(fresh.len() + reached, 0.0);
+                continue;
+            }
+            let turn = |row: usize| (now.at_once[c][row] - before.at_once[c][row]) * 0.5;
             let ends = [before, now].map(|s| {
-                let slow = s.drive[c] * (0.5 * h) - turn;
+                let slow = move |row: usize| s.drive[c][row] * (0.5 * h) - turn(row);
                 let pushed = pushed_by.get(c).map_or_else(Vector6::zeros, |drive| {
                     (lower.fixed_view::<6, 6>(0, 0) * pose_of(&s.at_once[c]) + drive) * (0.5 * h)
                 });
                 move |row: usize| match row {
-                    6..STATE => pushed[row - 6] + slow[row],
-                    _ => slow[row],
+                    6..STATE => pushed[row - 6] + slow(row),
+                    _ => slow(row),
                 }
             });
             let here = self.place(c, 0);
