@@ -9,6 +9,8 @@ use std::f64::consts::PI;
 
 /// Probability that a sample of pure noise counts as an outlier.
 const BY_CHANCE: f64 = 1.0e-6;
+/// Mean square of a sensor's residual, in its noise, below which it is far less than declared.
+pub(super) const QUIET: f64 = 0.04;
 /// Lags of the whiteness test.
 const WHITENESS_LAGS: usize = 10;
 
@@ -65,7 +67,7 @@ fn of_sensor(name: &str, fitted: &Fitted) -> ChannelDiagnosis {
     }
 }
 
-/// Probability of so much correlation by chance. `None` for records too short or without residual.
+/// Probability of so much correlation by chance. `None` for records too short.
 pub(crate) fn whiteness(white: &[Vector3], numbers: usize) -> Option<f64> {
     let (q, dof) = ljung_box(white, numbers)?;
     Some(ChiSquared::new(dof).ok()?.sf(q))
@@ -116,9 +118,8 @@ fn ljung_box(white: &[Vector3], numbers: usize) -> Option<(f64, f64)> {
         let mean = white.iter().map(|w| w[axis]).sum::<f64>() / n as f64;
         let series: Vec<f64> = white.iter().map(|w| w[axis] - mean).collect();
         let variance: f64 = series.iter().map(|e| e * e).sum();
-        if variance < 1.0e-12 * n as f64 {
-            return None;
-        }
+        // Far below the declared noise, no colour has an effect.
+        let variance = variance.max(QUIET * n as f64);
         for lag in 1..=WHITENESS_LAGS {
             let product = |(a, b): (&f64, &f64)| a * b;
             let r = series.iter().zip(&series[lag..]).map(product).sum::<f64>() / variance;

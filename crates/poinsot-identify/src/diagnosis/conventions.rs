@@ -7,7 +7,7 @@
 mod change;
 mod table;
 
-use super::channels::channels;
+use super::channels::{QUIET, channels};
 use super::types::{FaultKind, Suspect, SuspectValue};
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::part_of_record::{FEW, beginning, thinned};
@@ -37,8 +37,6 @@ const FITTED: usize = 6;
 /// convention lowers it.
 const WILD: f64 = 100.0;
 const BETTER: f64 = 0.5;
-/// Mean square of a sensor's residual, in its noise, below which its readings tell nothing.
-const SILENT: f64 = 0.04;
 /// Accuracy of a free value, as a share of the width of its search.
 const ACCURACY: f64 = 0.01;
 
@@ -227,7 +225,7 @@ fn silences(experiment: &Experiment, fitted: &Fitted, convention: &Convention) -
     let mut own = channels
         .iter()
         .filter(|c| sensor.is_some_and(|s| s.name == c.name));
-    own.any(|c| c.chi2_per_number < SILENT)
+    own.any(|c| c.chi2_per_number < QUIET)
 }
 
 /// A convention with its value by the whole record, and the chi-square that it leaves: fitted by longer and longer beginnings, as what
