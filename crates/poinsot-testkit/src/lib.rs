@@ -6,7 +6,7 @@
 //!
 //! # Files
 //! - `rigid_body.rs`: torque-free motion in closed form. `momentum_sum.rs`: momentum by definition.
-//! - `trees.rs`, `tree_dynamics.rs`: the recorded trees of `validation/`.
+//! - `trees.rs`: the recorded trees of `validation/`.
 //! - `vehicles.rs`: model files of test vehicles.
 //! - `elliptic.rs`, `quadrature.rs`, `joint_plans.rs`, `compare.rs`. `outside.rs`: data that are not shipped.
 #![allow(non_snake_case)]
@@ -18,7 +18,6 @@ pub mod momentum_sum;
 pub mod outside;
 mod quadrature;
 pub mod rigid_body;
-pub mod tree_dynamics;
 pub mod trees;
 pub mod vehicles;
 

@@ -160,7 +160,7 @@ pub fn rotation_from_xyzw([x, y, z, w]: [f64; 4]) -> Matrix3 {
 }
 
 /// Path of the recorded trees.
-pub(crate) fn trees_path() -> PathBuf {
+pub fn trees_path() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../validation/trees/trees.jsonl")
 }
 

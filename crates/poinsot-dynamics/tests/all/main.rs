@@ -19,6 +19,7 @@ mod prop_motion;
 mod propagation;
 mod setup;
 mod stat_sensors;
+mod tree_dynamics;
 #[path = "../../benches/xu_arm/mod.rs"]
 mod xu_arm;
 mod xval_accelerometer;

@@ -1,10 +1,10 @@
 //! Forward and inverse dynamics, mass matrix and Jacobians against Pinocchio and MuJoCo on 1,000 random trees.
 
 use crate::setup;
+use crate::tree_dynamics::{TreeDynamics, load_tree_dynamics};
 
 use poinsot_dynamics::*;
 use poinsot_spatial::{InertialParameters, Vector3, Vector6};
-use poinsot_testkit::tree_dynamics::{TreeDynamics, load_tree_dynamics};
 use poinsot_testkit::trees::TreeCase;
 
 /// Relative to the largest component. The two references differ by 4e-12 in the worst acceleration (median 3e-15), and

@@ -2,8 +2,8 @@
 //!
 //! The layout of the file is in `validation/trees/README.md`.
 
-use crate::Matrix3;
-use crate::trees::{TreeCase, load_trees, trees_path};
+use poinsot_testkit::Matrix3;
+use poinsot_testkit::trees::{TreeCase, load_trees, trees_path};
 use serde::Deserialize;
 use std::io;
 
