@@ -309,15 +309,14 @@ fn fill_inputs(
     // At the end of an interval the readings are those of the next grid time.
     if at == 0.0 || at == 1.0 {
         let k = k + usize::from(at == 1.0);
+        let speeds = row(&o.wheel_speed, wheels, k);
         input_state
             .q
-            .copy_from_slice(&o.joint_position[k * dof..(k + 1) * dof]);
+            .copy_from_slice(row(&o.joint_position, dof, k));
         input_state
             .rates
-            .copy_from_slice(&o.joint_rate[k * dof..(k + 1) * dof]);
-        input_state
-            .wheels
-            .copy_from_slice(&o.wheel_speed[k * wheels..(k + 1) * wheels]);
+            .copy_from_slice(row(&o.joint_rate, dof, k));
+        input_state.wheels.copy_from_slice(speeds);
         return;
     }
     let h = o.time_s[k + 1] - o.time_s[k];
@@ -325,20 +324,21 @@ fn fill_inputs(
         (input_state.q[j], input_state.rates[j]) = joint_between(o, (dof, j), (k, at));
     }
     for j in 0..wheels {
-        let (a, b) = (
-            o.wheel_speed[k * wheels + j],
-            o.wheel_speed[(k + 1) * wheels + j],
-        );
+        let speed = |k: usize| o.wheel_speed[k * wheels + j];
+        let (a, b) = (speed(k), speed(k + 1));
         input_state.wheels[j] = a + at * (b - a);
         if o.is_smooth(j, vehicle.wheels_smooth) {
-            let (left, right) = (
-                wheel_slope(o, wheels, j, k),
-                wheel_slope(o, wheels, j, k + 1),
-            );
+            let slope = |k: usize| wheel_slope(o, wheels, j, k);
+            let (left, right) = (slope(k), slope(k + 1));
             let (d0, d1) = (left * h - (b - a), right * h - (b - a));
             input_state.wheels[j] += at * (1.0 - at) * ((1.0 - at) * d0 - at * d1);
         }
     }
+}
+
+/// The numbers of grid time k, `width` a time.
+pub(super) fn row(all: &[f64], width: usize, k: usize) -> &[f64] {
+    &all[k * width..(k + 1) * width]
 }
 
 /// Position and rate of a joint at a share of the interval after grid time k.

@@ -1,7 +1,7 @@
 //! A segment on a grid with more times: the same motion, known at more instants.
 
 use super::environment::orbit_between;
-use super::inputs::joint_between;
+use super::inputs::{joint_between, row};
 use crate::problem::error_process::{ErrorProcess, ErrorStep};
 use crate::problem::segment::{
     BetweenReadings, InputChannel, InputErrors, Observations, SensorRecord, SensorSample,
@@ -46,12 +46,9 @@ pub(crate) fn refined(o: &Observations, further_s: &[f64]) -> Observations {
             old.push(i);
             new.time_s.push(o.time_s[k]);
             new.orbit.extend(o.orbit.get(k));
-            new.joint_position
-                .extend_from_slice(&o.joint_position[k * dof..(k + 1) * dof]);
-            new.joint_rate
-                .extend_from_slice(&o.joint_rate[k * dof..(k + 1) * dof]);
-            new.wheel_speed
-                .extend_from_slice(&o.wheel_speed[k * wheels..(k + 1) * wheels]);
+            new.joint_position.extend(row(&o.joint_position, dof, k));
+            new.joint_rate.extend(row(&o.joint_rate, dof, k));
+            new.wheel_speed.extend(row(&o.wheel_speed, wheels, k));
             continue;
         }
         let h = o.time_s[k + 1] - o.time_s[k];
@@ -63,10 +60,8 @@ pub(crate) fn refined(o: &Observations, further_s: &[f64]) -> Observations {
             new.joint_rate.push(rate);
         }
         for w in 0..wheels {
-            let (a, b) = (
-                o.wheel_speed[k * wheels + w],
-                o.wheel_speed[(k + 1) * wheels + w],
-            );
+            let speed = |k: usize| o.wheel_speed[k * wheels + w];
+            let (a, b) = (speed(k), speed(k + 1));
             new.wheel_speed.push(a + at * (b - a));
         }
     }
