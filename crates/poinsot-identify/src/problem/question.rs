@@ -121,58 +121,37 @@ impl Problem<'_> {
             return Ok(());
         };
         let carried = |body: usize| passive.over(body) != 0;
-        let wheel = model.wheels.iter().find(|w| carried(w.body));
-        let thruster = model.thrusters.iter().find(|t| carried(t.body));
-        let loses_mass = model.thrusters.iter().any(|t| t.propellant.is_some());
-        let springs = model.joints.iter().filter(|j| j.is_passive()).count();
-        let found = [
-            (
-                !model.modes.is_empty(),
-                "flexible modes",
-                "declare all as passive joints, or all as modes",
-            ),
-            (
-                self.sees_points(),
-                "an accelerometer",
-                "take accelerometers and velocity increments out of the map",
-            ),
-            (
-                wheel.is_some(),
-                "a wheel on what it carries",
-                "put the wheel on a body that no spring moves",
-            ),
-            (
-                thruster.is_some(),
-                "a thruster on what it carries",
-                "put the thruster on a body that no spring moves",
-            ),
-            (
-                loses_mass,
-                "propellant that is used up",
-                "take specific_impulse_s out of the thrusters",
-            ),
-            (
-                model.environment.gravity_gradient,
-                "a gravity gradient",
-                "take it out of [environment]",
-            ),
-            (
-                springs > MOST_MODES,
-                "more than five others",
-                "lock the stiffest ones by locked_at_rad or locked_at_m",
-            ),
-        ];
-        match found.into_iter().find(|(beside, ..)| *beside) {
-            Some((_, with, advice)) => {
-                let joint = self.tree.coordinates[first.coordinate];
-                Err(refusal::passive_joint(
-                    &model.joints[joint].name,
-                    with,
-                    advice,
-                ))
-            }
-            None => Ok(()),
+        let joint = &model.joints[self.tree.coordinates[first.coordinate]];
+        let refuse = |with, advice| Err(refusal::passive_joint(&joint.name, with, advice));
+        if !model.modes.is_empty() {
+            let advice = "declare all as passive joints, or all as modes";
+            return refuse("flexible modes", advice);
         }
+        if self.sees_points() {
+            let advice = "take accelerometers and velocity increments out of the map";
+            return refuse("an accelerometer", advice);
+        }
+        if model.wheels.iter().any(|w| carried(w.body)) {
+            let advice = "put the wheel on a body that no spring moves";
+            return refuse("a wheel on what it carries", advice);
+        }
+        if model.thrusters.iter().any(|t| carried(t.body)) {
+            let advice = "put the thruster on a body that no spring moves";
+            return refuse("a thruster on what it carries", advice);
+        }
+        if model.thrusters.iter().any(|t| t.propellant.is_some()) {
+            let advice = "take specific_impulse_s out of the thrusters";
+            return refuse("propellant that is used up", advice);
+        }
+        if model.environment.gravity_gradient {
+            let advice = "take it out of [environment]";
+            return refuse("a gravity gradient", advice);
+        }
+        if model.joints.iter().filter(|j| j.is_passive()).count() > MOST_MODES {
+            let advice = "lock the stiffest ones by locked_at_rad or locked_at_m";
+            return refuse("more than five others", advice);
+        }
+        Ok(())
     }
 
     /// Whether joints move a body against the base.
