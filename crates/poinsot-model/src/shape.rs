@@ -608,35 +608,18 @@ fn out_of_range(row: &Schema, path: &KeyPath, x: f64) -> Option<(String, String)
     let below = bound("exclusiveMaximum").filter(|b| x >= *b);
     let most = bound("maximum").filter(|b| x > *b);
     let advice = text_of(row, "x-advice");
+    let (greater, smaller) = ("give a greater number", "give a smaller number");
     let (problem, usual) = match (above, least, below, most) {
         (Some(0.0), ..) => {
             let problem = format!("the {what} must be greater than zero");
             return Some((problem, "give a positive number".to_owned()));
         }
-        (_, Some(0.0), ..) => (
-            format!("the {what} is negative"),
-            "give zero or a positive number",
-        ),
-        (_, Some(b), ..) if b < TINY => (
-            format!("the {what} is below {}", as_read(b)),
-            "give a greater number",
-        ),
-        (Some(b), ..) => (
-            format!("the {what} must be greater than {}", as_read(b)),
-            "give a greater number",
-        ),
-        (_, Some(b), ..) => (
-            format!("the {what} must be at least {}", as_read(b)),
-            "give a greater number",
-        ),
-        (_, _, Some(b), _) => (
-            format!("the {what} must be below {}", as_read(b)),
-            "give a smaller number",
-        ),
-        (.., Some(b)) => (
-            format!("the {what} must be at most {}", as_read(b)),
-            "give a smaller number",
-        ),
+        (_, Some(0.0), ..) => ("is negative".to_owned(), "give zero or a positive number"),
+        (_, Some(b), ..) if b < TINY => (format!("is below {}", as_read(b)), greater),
+        (Some(b), ..) => (format!("must be greater than {}", as_read(b)), greater),
+        (_, Some(b), ..) => (format!("must be at least {}", as_read(b)), greater),
+        (_, _, Some(b), _) => (format!("must be below {}", as_read(b)), smaller),
+        (.., Some(b)) => (format!("must be at most {}", as_read(b)), smaller),
         _ => return None,
     };
     let angle = bound("maximum").filter(|b| key.ends_with("_rad") && x.abs() > *b);
@@ -645,6 +628,7 @@ fn out_of_range(row: &Schema, path: &KeyPath, x: f64) -> Option<(String, String)
         let remedy = format!("write radians; {degrees} deg are {radians} rad");
         return Some((format!("the angle is beyond {} rad", short(most)), remedy));
     }
+    let problem = format!("the {what} {problem}");
     Some((problem, advice.unwrap_or(usual).to_owned()))
 }
 

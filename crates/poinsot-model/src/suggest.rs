@@ -77,20 +77,13 @@ pub(crate) fn unknown_key(key: &str, known: &[&str]) -> (bool, String, String) {
     if let Some(first) = units.first() {
         let write = format!("write {}", units.join(" or "));
         let form = FORMS.iter().any(|form| first.ends_with(form));
-        return match (stem(first) == Some(key), form) {
-            (true, false) => (true, "missing unit".to_owned(), write),
-            (true, true) => (true, "missing form".to_owned(), write),
-            (false, false) => (
-                true,
-                "wrong unit".to_owned(),
-                format!("{write} and convert the number"),
-            ),
-            (false, true) => (
-                true,
-                "wrong form".to_owned(),
-                format!("{write} and convert the numbers"),
-            ),
+        let (problem, remedy) = match (stem(first) == Some(key), form) {
+            (true, false) => ("missing unit", write),
+            (true, true) => ("missing form", write),
+            (false, false) => ("wrong unit", write + " and convert the number"),
+            (false, true) => ("wrong form", write + " and convert the numbers"),
         };
+        return (true, problem.to_owned(), remedy);
     }
     let remedy = match nearest(key, known) {
         Some(near) => format!("did you mean {near}?"),
