@@ -331,15 +331,17 @@ fn commanded(
 
 /// All channels of the exact motion of the base origin, in the order of a file.
 fn exact_channels(model: &Model, scenario: &Scenario, tree: &Tree) -> Vec<(Vec<String>, Read)> {
+    use SensorKind::{Accelerometer, Attitude, Gyro, JointPosition, JointRate};
+    use SensorKind::{Position, Thrust, Velocity, WheelSpeed};
     let count = |n: usize| (0..n).collect::<Vec<_>>();
     let (joints, wheel_list) = (&tree.coordinates, count(model.wheels.len()));
     let of = |kind, list: &[usize]| names(model, kind, list);
     let vector = |name: &str| XYZ.map(|axis| format!("{name}_{axis}")).to_vec();
-    let rates = of(SensorKind::JointRate, joints);
+    let rates = of(JointRate, joints);
     let accelerations = rates.iter().map(|name| format!("{name}2")).collect();
     let accelerometer: Read = Box::new(|s, out| {
         let origin = Vector3::zeros();
-        out.extend(vector_reading(SensorKind::Accelerometer, s, 0, &origin).iter());
+        out.extend(vector_reading(Accelerometer, s, 0, &origin).iter());
     });
     let orbit = match model.environment.gravity_gradient {
         true => vector("orbit"),
@@ -351,34 +353,22 @@ fn exact_channels(model: &Model, scenario: &Scenario, tree: &Tree) -> Vec<(Vec<S
         out.extend(motors.iter().filter_map(|k| s.motor_force.get(*k)));
     });
     vec![
-        (
-            of(SensorKind::Attitude, &[]),
-            numbers(|s| s.R_NB.coords.as_slice()),
-        ),
-        (of(SensorKind::Gyro, &[]), numbers(|s| s.w_NB_B.as_slice())),
+        (of(Attitude, &[]), numbers(|s| s.R_NB.coords.as_slice())),
+        (of(Gyro, &[]), numbers(|s| s.w_NB_B.as_slice())),
         (vector("domega"), numbers(|s| s.body.alpha[0].as_slice())),
-        (
-            of(SensorKind::Position, &[]),
-            numbers(|s| s.p_NoBo_N.as_slice()),
-        ),
-        (
-            of(SensorKind::Velocity, &[]),
-            numbers(|s| s.v_NBo_N.as_slice()),
-        ),
-        (of(SensorKind::Accelerometer, &[]), accelerometer),
+        (of(Position, &[]), numbers(|s| s.p_NoBo_N.as_slice())),
+        (of(Velocity, &[]), numbers(|s| s.v_NBo_N.as_slice())),
+        (of(Accelerometer, &[]), accelerometer),
         (orbit, numbers(|s| s.p_orbit_N.as_slice())),
-        (of(SensorKind::JointPosition, joints), numbers(|s| &s.q)),
+        (of(JointPosition, joints), numbers(|s| &s.q)),
         (rates, numbers(|s| &s.rates)),
         (accelerations, numbers(|s| &s.accelerations)),
-        (
-            of(SensorKind::WheelSpeed, &wheel_list),
-            numbers(|s| &s.wheel_speed),
-        ),
+        (of(WheelSpeed, &wheel_list), numbers(|s| &s.wheel_speed)),
         (
             wheels(model, &wheel_list, "Nm"),
             numbers(|s| &s.wheel_torque),
         ),
-        (of(SensorKind::Thrust, &thrusters), numbers(|s| &s.thrust)),
+        (of(Thrust, &thrusters), numbers(|s| &s.thrust)),
         (efforts, motor),
     ]
 }
