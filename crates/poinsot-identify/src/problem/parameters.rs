@@ -106,11 +106,8 @@ impl Parameters {
         if parameters.mass_unknowns > refusal::MOST_NUMBERS {
             let numbers = parameters.mass_unknowns;
             let advice = "take estimate out of bodies that are known well enough";
-            return Err(refusal::too_many(
-                numbers,
-                "mass properties to estimate",
-                advice,
-            ));
+            let what = "mass properties to estimate";
+            return Err(refusal::too_many(numbers, what, advice));
         }
         parameters.add_nuisances(model, tree);
         if parameters.unknowns.is_empty() {
@@ -241,11 +238,8 @@ impl Parameters {
                 let shift = elements(&parallel_axis(1.0, &c));
                 column.extend((0..6).map(|k| (at + 4 + k, shift[k])));
             }
-            self.push(
-                UnknownKind::Barycentric(column),
-                (format!("{name}.m"), "kg"),
-                (pi[0], m),
-            );
+            let number = (format!("{name}.m"), "kg");
+            self.push(UnknownKind::Barycentric(column), number, (pi[0], m));
         } else {
             known.mass = given.mass;
             if !asked.com {
@@ -258,11 +252,9 @@ impl Parameters {
         }
         if asked.com {
             for k in 0..3 {
-                self.push(
-                    UnknownKind::Barycentric(vec![(at + 1 + k, 1.0)]),
-                    (format!("{name}.{}", PARAMETER_NAMES[1 + k]), "kg m"),
-                    (pi[1 + k], m * l),
-                );
+                let kind = UnknownKind::Barycentric(vec![(at + 1 + k, 1.0)]);
+                let number = (format!("{name}.{}", PARAMETER_NAMES[1 + k]), "kg m");
+                self.push(kind, number, (pi[1 + k], m * l));
             }
         }
         if asked.inertia {
@@ -273,11 +265,9 @@ impl Parameters {
                 ("BBcm", given.I_BBcm_B)
             };
             for (k, &e) in TENSOR.iter().enumerate() {
-                self.push(
-                    UnknownKind::Barycentric(vec![(at + 4 + k, 1.0)]),
-                    (format!("{name}.I_{point}_{}", tensor_name(k)), "kg m2"),
-                    (value[e], m * l * l),
-                );
+                let kind = UnknownKind::Barycentric(vec![(at + 4 + k, 1.0)]);
+                let number = (format!("{name}.I_{point}_{}", tensor_name(k)), "kg m2");
+                self.push(kind, number, (value[e], m * l * l));
             }
         } else {
             known.I_BBo_B += given.I_BBcm_B;
@@ -298,20 +288,15 @@ impl Parameters {
         // Without thrusters the mass centre never enters: it is omitted and reported as unobservable.
         if asked.com && thrusters_fire {
             for (k, axis) in AXES.iter().enumerate() {
-                self.push(
-                    UnknownKind::MassCentre(k),
-                    (format!("{name}.com_{axis}"), "m"),
-                    (given.p_BoBcm_B[k], l),
-                );
+                let number = (format!("{name}.com_{axis}"), "m");
+                self.push(UnknownKind::MassCentre(k), number, (given.p_BoBcm_B[k], l));
             }
         }
         if asked.inertia {
             for (k, &e) in TENSOR.iter().enumerate() {
-                self.push(
-                    UnknownKind::CentralInertia(k),
-                    (format!("{name}.I_BBcm_{}", tensor_name(k)), "kg m2"),
-                    (given.I_BBcm_B[e], m * l * l),
-                );
+                let number = (format!("{name}.I_BBcm_{}", tensor_name(k)), "kg m2");
+                let value = (given.I_BBcm_B[e], m * l * l);
+                self.push(UnknownKind::CentralInertia(k), number, value);
             }
         }
         Ok(())

@@ -315,12 +315,9 @@ impl Registry<'_> {
         let wheel = self.model.wheels.get(k)?;
         let name = &wheel.name;
         let UnknownKind::WheelTilt(_, i) = *kind else {
-            let mut spin = entry(
-                kind,
-                (format!("{name}.spin_inertia"), "kg m2"),
-                FaultKind::WheelScale,
-                format!("another spin inertia of {name}"),
-            );
+            let number = (format!("{name}.spin_inertia"), "kg m2");
+            let hypothesis = format!("another spin inertia of {name}");
+            let mut spin = entry(kind, number, FaultKind::WheelScale, hypothesis);
             spin.unknown.nominal = wheel.spin_inertia;
             spin.unknown.natural = wheel.spin_inertia;
             let spin = spin.asked(wheel.estimate);
@@ -329,12 +326,9 @@ impl Registry<'_> {
         let about = wheel.tilt_axes()[i];
         let axis = (0..3).find(|a| about[*a] == 1.0);
         let what = axis.map_or_else(|| format!("{}", i + 1), |a| AXES[a].to_owned());
-        let tilt = entry(
-            kind,
-            (format!("{name}.misalignment_{what}"), "rad"),
-            FaultKind::WheelTilt,
-            format!("a tilt of {name}"),
-        );
+        let number = (format!("{name}.misalignment_{what}"), "rad");
+        let hypothesis = format!("a tilt of {name}");
+        let tilt = entry(kind, number, FaultKind::WheelTilt, hypothesis);
         let declared = tilt.declare(wheel.misalignment);
         Some(declared.changes(KnownNumber::WheelAxis(k)))
     }
@@ -407,21 +401,15 @@ impl Registry<'_> {
             segment, firing, ..
         } = *kind
         else {
-            let scale = entry(
-                kind,
-                (format!("{name}.scale"), "1"),
-                FaultKind::Thrust,
-                format!("another thrust of {name}"),
-            );
+            let number = (format!("{name}.scale"), "1");
+            let hypothesis = format!("another thrust of {name}");
+            let scale = entry(kind, number, FaultKind::Thrust, hypothesis);
             return Some(scale.declare(thruster.scale).changes(KnownNumber::Force(k)));
         };
         let start_s = self.segments.get(segment)?.firings.get(firing)?.start_s;
-        let mut share = entry(
-            kind,
-            (format!("{name}.firing_at_{start_s:.1}_s"), "1"),
-            FaultKind::Firing,
-            format!("another force of the firing of {name} at {start_s:.1} s"),
-        );
+        let number = (format!("{name}.firing_at_{start_s:.1}_s"), "1");
+        let hypothesis = format!("another force of the firing of {name} at {start_s:.1} s");
+        let mut share = entry(kind, number, FaultKind::Firing, hypothesis);
         share.unknown.nominal = 1.0;
         Some(share)
     }
@@ -491,12 +479,9 @@ impl Registry<'_> {
 
     fn wheel_speed_bias(&self, kind: &UnknownKind, k: usize) -> Option<Entry> {
         let name = &self.model.wheels.get(k)?.name;
-        let bias = entry(
-            kind,
-            (format!("{name}.speed_bias"), "rad/s"),
-            FaultKind::SensorBias,
-            format!("a bias of the speed of {name}"),
-        );
+        let number = (format!("{name}.speed_bias"), "rad/s");
+        let hypothesis = format!("a bias of the speed of {name}");
+        let bias = entry(kind, number, FaultKind::SensorBias, hypothesis);
         let sensor = self.reader(SensorKind::WheelSpeed, k);
         Some(bias.declare(declared(sensor, ErrorKey::Bias)))
     }
@@ -515,12 +500,9 @@ impl Registry<'_> {
         let group = ErrorGroup::holding(of.kind, error)?;
         let mut errors = group.errors.iter();
         let (_, end) = errors.find(|e| e.0 == error)?;
-        let own = entry(
-            kind,
-            (format!("{}.{end}", of.name), group.unit(of.kind)),
-            group.fault(of.kind),
-            format!("a {}", group.word(of.kind)),
-        );
+        let number = (format!("{}.{end}", of.name), group.unit(of.kind));
+        let hypothesis = format!("a {}", group.word(of.kind));
+        let own = entry(kind, number, group.fault(of.kind), hypothesis);
         let own = own.declare(group.key.declared(of));
         let turns = match group.key {
             ErrorKey::Misalignment => !of.kind.is_rotation(),
@@ -537,12 +519,8 @@ impl Registry<'_> {
         let around = &self.model.environment;
         let along = |what: &str| AXES.get(k).map(|axis| format!("{what}_{axis}"));
         let torque = |what: &str, unit, fault, hypothesis: &str| {
-            Some(entry(
-                kind,
-                (along(what)?, unit),
-                fault,
-                hypothesis.to_owned(),
-            ))
+            let number = (along(what)?, unit);
+            Some(entry(kind, number, fault, hypothesis.to_owned()))
         };
         let tensor = |what: &str, unit, fault, hypothesis: &str| {
             let number = (format!("{what}_{}", k + 1), unit);
