@@ -67,17 +67,13 @@ pub(crate) fn read(
         }
         if !options.recover {
             let place = Place::row(path, last_row);
-            let problem = format!(
-                "the file ends inside this row ({})",
-                how_cut(&error, cells, &plan)
-            );
+            let how = how_cut(&error, cells, &plan);
+            let problem = format!("the file ends inside this row ({how})");
             let advice = "use --recover to keep the rows before it";
             return Err(Faults::one("E0206", place, problem, advice));
         }
-        repairs.push(format!(
-            "{}: cut last row dropped",
-            Place::row(path, last_row)
-        ));
+        let place = Place::row(path, last_row);
+        repairs.push(format!("{place}: cut last row dropped"));
         intake.columns.drop_row(last_row);
         last_row = 0;
     }
@@ -178,12 +174,8 @@ fn header(
         let advice = format!(
             "write [telemetry] header_row = {line} if it has the names, header_row = N for a header in line N, or comment = \"{first}\" if such lines are comments"
         );
-        return Err(Faults::one(
-            "E0205",
-            Place::row(path, line),
-            problem,
-            advice,
-        ));
+        let place = Place::row(path, line);
+        return Err(Faults::one("E0205", place, problem, advice));
     }
     Ok(header)
 }
@@ -271,11 +263,8 @@ fn header_of(
             continue;
         }
         let text = std::str::from_utf8(field).map_err(|e| {
-            let problem = format!(
-                "the header is not UTF-8 ('{}', byte {} of the name)",
-                shown(field),
-                e.valid_up_to()
-            );
+            let (name, byte) = (shown(field), e.valid_up_to());
+            let problem = format!("the header is not UTF-8 ('{name}', byte {byte} of the name)");
             let advice = "save the file as UTF-8, or read it by --encoding latin1";
             Faults::one("E0202", Place::row(path, line), problem, advice)
         })?;

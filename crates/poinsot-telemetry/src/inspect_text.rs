@@ -34,11 +34,9 @@ impl Inspection {
     pub fn text(&self, table: impl FnOnce(Vec<String>, Vec<Vec<String>>) -> String) -> String {
         let mut out = String::new();
         for s in &self.sources {
-            let (path, rows, [from, to], hash) = (&s.path, s.rows, s.time_s, &s.sha256);
-            out += &format!(
-                "{path}: {}, {from} to {to} s, sha256 {hash}\n",
-                counted(rows, "row")
-            );
+            let (path, [from, to], hash) = (&s.path, s.time_s, &s.sha256);
+            let rows = counted(s.rows, "row");
+            out += &format!("{path}: {rows}, {from} to {to} s, sha256 {hash}\n");
         }
         let rows = self.channels.iter().map(ChannelSummary::cells).collect();
         out += &format!("\n{}", table(HEAD.map(str::to_owned).to_vec(), rows));

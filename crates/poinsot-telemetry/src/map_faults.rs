@@ -267,11 +267,8 @@ fn check_place(map: &ColumnMap, dimension: Dimension) -> Result<(), Refused> {
         ("late_s", map.late_s.is_some()),
     ] {
         if given && dimension == Dimension::Time {
-            return refuse(
-                key,
-                "a time has a unit alone",
-                "remove it, or write [telemetry] time",
-            );
+            let problem = "a time has a unit alone";
+            return refuse(key, problem, "remove it, or write [telemetry] time");
         }
     }
     if map.increments && integral(dimension).is_none() {

@@ -89,11 +89,8 @@ fn more(page: &Page, column: &ColumnChunkMetaData) -> Option<String> {
     };
     let fits = buf.len() / width(column);
     (*num_values as usize > fits).then(|| {
-        format!(
-            "a dictionary of column '{}' declares {num_values} values in {} bytes",
-            column.column_path().string(),
-            buf.len()
-        )
+        let (name, bytes) = (column.column_path().string(), buf.len());
+        format!("a dictionary of column '{name}' declares {num_values} values in {bytes} bytes")
     })
 }
 

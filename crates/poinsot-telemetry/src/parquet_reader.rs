@@ -180,9 +180,9 @@ fn changed(path: &Path, recover: bool) -> Result<String, Faults> {
 /// The repair for a page that does not match its checksum: the rows from there on are dropped.
 fn cut(place: &Place, sound: u64, declared: u64, recover: bool) -> Result<String, Faults> {
     if recover && sound > 0 {
+        let rows = counted(declared - sound, "row");
         return Ok(format!(
-            "{place}: {} from here on dropped: a page does not match its checksum",
-            counted(declared - sound, "row")
+            "{place}: {rows} from here on dropped: a page does not match its checksum"
         ));
     }
     let more = match sound {

@@ -45,11 +45,8 @@ pub(crate) fn tidy(
         let deviation = (norm - 1.0).abs();
         if deviation.is_nan() || deviation > LIMIT {
             let place = Place::cell(path, row, column);
-            let problem = format!(
-                "the quaternion ({}) has norm {}, not 1",
-                here.map(as_read).join(", "),
-                rounded(norm, 6)
-            );
+            let (components, norm) = (here.map(as_read).join(", "), rounded(norm, 6));
+            let problem = format!("the quaternion ({components}) has norm {norm}, not 1");
             let advice = "correct the row or the order of the columns, or leave such rows out by invalid or where of the attitude in [telemetry]";
             return Err(Faults::one("E0214", place, problem, advice));
         }
@@ -73,9 +70,9 @@ pub(crate) fn tidy(
         return Err(not_strict(file, repair));
     }
     if tally.flips > 0 {
+        let changes = counted(tally.flips, "change");
         repairs.push(format!(
-            "{} of quaternion sign undone (the same attitude)",
-            counted(tally.flips, "change")
+            "{changes} of quaternion sign undone (the same attitude)"
         ));
     }
     Ok(repairs
@@ -100,10 +97,9 @@ impl Tally {
     fn changes(&self) -> Vec<String> {
         let mut repairs = Vec::new();
         if self.worst.0 > SILENT {
+            let (off, row) = (rounded(self.worst.0, 3), self.worst.1);
             repairs.push(format!(
-                "quaternions normalised; the norm is off by up to {} (row {})",
-                rounded(self.worst.0, 3),
-                self.worst.1
+                "quaternions normalised; the norm is off by up to {off} (row {row})"
             ));
         }
         if self.beyond_rounding > 0 {

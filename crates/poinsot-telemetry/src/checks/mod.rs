@@ -250,13 +250,10 @@ pub fn apply(table: &mut Table, label: &str, policies: &Policies) -> Vec<Finding
             found.policy = policy;
             if policy == Policy::Exclude {
                 exclude(table, &found);
+                let (count, of, channel) = (found.count, found.of, &found.channel);
+                let (check, text) = (check.name(), &found.text);
                 table.repairs.push(format!(
-                    "{label}: {}: {} of {} samples of {} left out: {}",
-                    check.name(),
-                    found.count,
-                    found.of,
-                    found.channel,
-                    found.text
+                    "{label}: {check}: {count} of {of} samples of {channel} left out: {text}"
                 ));
             }
             all.push(found);

@@ -47,12 +47,9 @@ pub(super) fn find(channel: &Channel) -> Option<(Vec<usize>, String)> {
             1 => "1 sample differs from its neighbours".to_owned(),
             n => format!("{n} samples differ from their neighbours"),
         };
-        let text = format!(
-            "{differ} by up to {} {}, more than {FAR} robust sigmas ({})",
-            rounded(worst, 4),
-            channel.unit,
-            rounded(noise, 4)
-        );
+        let (unit, worst, noise) = (&channel.unit, rounded(worst, 4), rounded(noise, 4));
+        let text =
+            format!("{differ} by up to {worst} {unit}, more than {FAR} robust sigmas ({noise})");
         (far, text)
     })
 }
