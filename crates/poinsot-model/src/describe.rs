@@ -255,11 +255,8 @@ fn unknown(model: &Model) -> Vec<String> {
     }
     for joint in model.joints.iter().filter(|j| !j.spring_unknown.is_empty()) {
         let words: Vec<_> = joint.spring_unknown.iter().map(|n| n.name()).collect();
-        out.push(format!(
-            "{}: {} of its spring",
-            joint.name,
-            words.join(", ")
-        ));
+        let words = words.join(", ");
+        out.push(format!("{}: {words} of its spring", joint.name));
     }
     for (what, value) in [
         ("linear momentum", model.momentum.linear),

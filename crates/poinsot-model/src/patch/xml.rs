@@ -123,10 +123,8 @@ pub(super) fn document(text: &str) -> Result<Document<'_>, String> {
     if let Some(excess) = excess(text) {
         let before = text.get(..excess.byte).unwrap_or(text);
         let line = 1 + before.matches('\n').count();
-        return Err(format!(
-            "line {line}: {}; simplify the file",
-            excess.problem
-        ));
+        let problem = excess.problem;
+        return Err(format!("line {line}: {problem}; simplify the file"));
     }
     Document::parse(text)
         .map_err(|error| format!("this is not XML: {error}; give the robot's file"))
