@@ -60,12 +60,9 @@ pub trait Named: Copy + PartialEq + 'static {
         let found = all.find(|v| name.is_none_or(|name| name == v.1));
         found.map(|v| v.0).ok_or_else(|| {
             let known: Vec<&str> = Self::ALL.iter().map(|v| v.1).collect();
-            Faults::usage(
-                "--variant",
-                name.unwrap_or_default(),
-                format!("{method} has no such variant"),
-                format!("use one of {}", known.join(", ")),
-            )
+            let problem = format!("{method} has no such variant");
+            let advice = format!("use one of {}", known.join(", "));
+            Faults::usage("--variant", name.unwrap_or_default(), problem, advice)
         })
     }
 }

@@ -106,11 +106,8 @@ impl Sums {
     fn add(&mut self, m: &Manoeuvre) -> Result<(), Faults> {
         let n = m.R_NB.len();
         if m.w_NB_B.len() != n || m.h_W_B.len() != n {
-            return Err(refused(
-                "E0420",
-                "attitude, rates and wheel momentum have different numbers of samples",
-                "give one of each per time",
-            ));
+            let what = "attitude, rates and wheel momentum have different numbers of samples";
+            return Err(refused("E0420", what, "give one of each per time"));
         }
         let (Some(R_0), Some(h_0), Some(w_0)) = (m.R_NB.first(), m.h_W_B.first(), m.w_NB_B.first())
         else {
@@ -148,21 +145,16 @@ impl Sums {
         }
         for (k, axis) in ['x', 'y', 'z'].into_iter().enumerate() {
             if self.G[(k, k)] <= f64::MIN_POSITIVE {
-                return Err(refused(
-                    "E0422",
-                    &format!(
-                        "the body never turns about its {axis} axis, and (14) divides by the rate about it"
-                    ),
-                    "use a manoeuvre that turns about all three axes",
-                ));
+                let what = format!(
+                    "the body never turns about its {axis} axis, and (14) divides by the rate about it"
+                );
+                let advice = "use a manoeuvre that turns about all three axes";
+                return Err(refused("E0422", &what, advice));
             }
         }
         if self.K == Matrix3::zeros() {
-            return Err(refused(
-                "E0423",
-                "the wheel momentum never changes: Q = 0 (8), and the scale of the inertia is undetermined",
-                "check the wheel columns",
-            ));
+            let what = "the wheel momentum never changes: Q = 0 (8), and the scale of the inertia is undetermined";
+            return Err(refused("E0423", what, "check the wheel columns"));
         }
         Ok(self)
     }
@@ -286,11 +278,8 @@ fn refused(code: &'static str, problem: &str, advice: &str) -> Faults {
 }
 
 pub(super) fn not_finite() -> Faults {
-    refused(
-        "E0424",
-        "the telemetry holds numbers that are not finite or overflow",
-        "check units and magnitudes",
-    )
+    let what = "the telemetry holds numbers that are not finite or overflow";
+    refused("E0424", what, "check units and magnitudes")
 }
 
 /// Off-diagonal elements in the order of (15).

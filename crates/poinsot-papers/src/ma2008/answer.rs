@@ -54,12 +54,9 @@ pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Faults>
     }
     let solved = two_step(&segments, given);
     if solved.linear.singular[0].is_nan() {
-        return Err(Faults::one(
-            "E0529",
-            Place::default(),
-            "the equations hold a number that is not finite",
-            "check units and magnitudes of the telemetry",
-        ));
+        let what = "the equations hold a number that is not finite";
+        let advice = "check units and magnitudes of the telemetry";
+        return Err(Faults::one("E0529", Place::default(), what, advice));
     }
     // The mass centre is that of step 1: angular momentum about one that is open says nothing of it.
     let first = Given {

@@ -94,41 +94,33 @@ fn at(times: &[f64], t: f64) -> Option<usize> {
 pub(super) fn check(problem: &Problem, variant: Variant) -> Result<Given, Faults> {
     let model = problem.model;
     if let Some(body) = model.bodies.iter().skip(1).find(|b| b.estimate.any()) {
-        return Err(Faults::one(
-            "E0521",
-            Place::item("body", &body.name),
-            "estimate: ma2008 needs every body but the base known",
-            "take estimate out of it, or use --method auto",
-        ));
+        let place = Place::item("body", &body.name);
+        let what = "estimate: ma2008 needs every body but the base known";
+        let advice = "take estimate out of it, or use --method auto";
+        return Err(Faults::one("E0521", place, what, advice));
     }
     let base = model.bodies.first().map(|b| (b.name.as_str(), b.estimate));
     let (base, asked) = base.unwrap_or_default();
     if asked != EstimateSet::ALL {
-        return Err(Faults::one(
-            "E0522",
-            Place::item("body", base),
-            "estimate: ma2008 identifies mass, mass centre and inertia of the base together",
-            "write estimate = true, or use --method auto",
-        ));
+        let place = Place::item("body", base);
+        let what = "estimate: ma2008 identifies mass, mass centre and inertia of the base together";
+        let advice = "write estimate = true, or use --method auto";
+        return Err(Faults::one("E0522", place, what, advice));
     }
     let arm: f64 = model.bodies.iter().skip(1).map(|b| b.nominal.mass).sum();
     if arm.is_nan() || arm <= 0.0 {
-        return Err(Faults::one(
-            "E0523",
-            Place::default().key("model"),
-            format!(
-                "the bodies beyond the base '{base}' have no mass: ma2008 needs an arm of known mass"
-            ),
-            "describe it, or use --method auto",
-        ));
+        let place = Place::default().key("model");
+        let what = format!(
+            "the bodies beyond the base '{base}' have no mass: ma2008 needs an arm of known mass"
+        );
+        let advice = "describe it, or use --method auto";
+        return Err(Faults::one("E0523", place, what, advice));
     }
     if let Some(wheel) = model.wheels.iter().find(|w| w.estimate) {
-        return Err(Faults::one(
-            "E0527",
-            Place::item("wheel", &wheel.name),
-            "estimate: ma2008 needs its spin inertia known",
-            "take estimate out of it, or use --method auto",
-        ));
+        let place = Place::item("wheel", &wheel.name);
+        let what = "estimate: ma2008 needs its spin inertia known";
+        let advice = "take estimate out of it, or use --method auto";
+        return Err(Faults::one("E0527", place, what, advice));
     }
     let needed = match variant {
         Variant::KnownMomentum => 2,
@@ -138,23 +130,17 @@ pub(super) fn check(problem: &Problem, variant: Variant) -> Result<Given, Faults
         let place = Place::item("segment", &segment.label);
         let samples = segment.samples.time_s.len();
         if !segment.firings.is_empty() {
-            return Err(Faults::one(
-                "E0526",
-                place,
-                "a thruster fires: ma2008 assumes that momentum is conserved",
-                "cut the firing out, or use --method auto",
-            ));
+            let what = "a thruster fires: ma2008 assumes that momentum is conserved";
+            let advice = "cut the firing out, or use --method auto";
+            return Err(Faults::one("E0526", place, what, advice));
         }
         if samples < needed {
             let variant = variant.name();
-            return Err(Faults::one(
-                "E0528",
-                place,
-                format!(
-                    "{samples} samples: variant {variant} needs at least {needed} for four unknowns"
-                ),
-                "add samples at other arm configurations",
-            ));
+            let what = format!(
+                "{samples} samples: variant {variant} needs at least {needed} for four unknowns"
+            );
+            let advice = "add samples at other arm configurations";
+            return Err(Faults::one("E0528", place, what, advice));
         }
     }
     if variant == Variant::UnknownMomentum {
@@ -216,10 +202,8 @@ pub(super) fn raws(
 }
 
 pub(super) fn no_velocity(segment: &Segment) -> Faults {
-    Faults::one(
-        "E0525",
-        Place::item("segment", &segment.label),
-        "no velocity channel (v_x v_y v_z): ma2008 needs it for step 1",
-        "add it, or velocity increments (dv_x dv_y dv_z) for variant unknown-momentum, or use --method maximum_likelihood",
-    )
+    let place = Place::item("segment", &segment.label);
+    let what = "no velocity channel (v_x v_y v_z): ma2008 needs it for step 1";
+    let advice = "add it, or velocity increments (dv_x dv_y dv_z) for variant unknown-momentum, or use --method maximum_likelihood";
+    Faults::one("E0525", place, what, advice)
 }

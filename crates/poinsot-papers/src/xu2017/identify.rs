@@ -209,10 +209,8 @@ fn search(step: &StepReport, share: f64) -> Option<String> {
     let place = |&d: &usize| {
         let (name, unit) = (MASS_PROPERTY_NAMES[ORDER[d]], MASS_PROPERTY_UNITS[ORDER[d]]);
         let name = name.replace("com_", "mass centre ").replace('_', " ");
-        format!(
-            "{name} = {:.6} {unit} of [{:.6}, {:.6}]",
-            flight.best[d], range.low[d], range.high[d]
-        )
+        let (best, low, high) = (flight.best[d], range.low[d], range.high[d]);
+        format!("{name} = {best:.6} {unit} of [{low:.6}, {high:.6}]")
     };
     let touched: Vec<String> = flight.on_bound.iter().map(place).collect();
     let touched = touched.join("; ");

@@ -31,12 +31,10 @@ pub(super) struct Roles {
 pub(super) fn roles(problem: &Problem) -> Result<Roles, Faults> {
     let (model, dof) = (problem.model, problem.tree.dof());
     if let Some(wheel) = model.wheels.first() {
-        return Err(Faults::one(
-            "E0531",
-            Place::item("wheel", &wheel.name),
-            "xu2017 knows no momentum wheels",
-            "take it out of the model if it stands still, or use --method auto",
-        ));
+        let place = Place::item("wheel", &wheel.name);
+        let what = "xu2017 knows no momentum wheels";
+        let advice = "take it out of the model if it stands still, or use --method auto";
+        return Err(Faults::one("E0531", place, what, advice));
     }
     let tensor_alone = model.bodies.iter().map(|b| b.estimate == TENSOR_ALONE);
     let mut found = Roles {
@@ -61,37 +59,30 @@ pub(super) fn roles(problem: &Problem) -> Result<Roles, Faults> {
             (_, true) => found.together.push(at),
             ([first, ..], false) => {
                 let joint = joint_name(problem, *first);
-                return Err(Faults::one(
-                    "E0536",
-                    Place::item("segment", &segment.label),
-                    format!(
-                        "a thruster fires while joint '{joint}' moves: xu2017 takes momentum as conserved then"
-                    ),
-                    "cut the firing out, or use --method auto",
-                ));
+                let place = Place::item("segment", &segment.label);
+                let what = format!(
+                    "a thruster fires while joint '{joint}' moves: xu2017 takes momentum as conserved then"
+                );
+                let advice = "cut the firing out, or use --method auto";
+                return Err(Faults::one("E0536", place, what, advice));
             }
         }
     }
     if found.single.is_empty() && found.moving_segments() == 0 {
-        return Err(Faults::one(
-            "E0539",
-            Place::default(),
-            "no segment has thrust with the joints locked, and in none does a joint move: xu2017 has nothing to work on",
-            "fire thrusters or drive a joint, or use --method auto",
-        ));
+        let what = "no segment has thrust with the joints locked, and in none does a joint move: xu2017 has nothing to work on";
+        let advice = "fire thrusters or drive a joint, or use --method auto";
+        return Err(Faults::one("E0539", Place::default(), what, advice));
     }
     let several = found.unknown.iter().filter(|u| **u).count() > 1;
     if let Some(&at) = found.together.first().filter(|_| several) {
         let names = moving[at].iter().map(|&j| joint_name(problem, j));
         let joints = names.collect::<Vec<_>>().join(", ");
-        return Err(Faults::one(
-            "E0535",
-            Place::item("segment", &problem.segments[at].label),
-            format!(
-                "joints {joints} move together: xu2017 unlocks one joint at a time unless a single body is unknown"
-            ),
-            "split the motion, or use --method auto",
-        ));
+        let place = Place::item("segment", &problem.segments[at].label);
+        let what = format!(
+            "joints {joints} move together: xu2017 unlocks one joint at a time unless a single body is unknown"
+        );
+        let advice = "split the motion, or use --method auto";
+        return Err(Faults::one("E0535", place, what, advice));
     }
     found.normal = normal(problem, &moving, several)?;
     Ok(found)
@@ -99,12 +90,10 @@ pub(super) fn roles(problem: &Problem) -> Result<Roles, Faults> {
 
 /// A moving joint without measured velocity.
 pub(super) fn no_velocity(segment: &Segment) -> Faults {
-    Faults::one(
-        "E0534",
-        Place::item("segment", &segment.label),
-        "no velocity channel (v_x v_y v_z): xu2017 needs it for the momentum of a moving joint",
-        "add it, or use --method auto",
-    )
+    let place = Place::item("segment", &segment.label);
+    let what =
+        "no velocity channel (v_x v_y v_z): xu2017 needs it for the momentum of a moving joint";
+    Faults::one("E0534", place, what, "add it, or use --method auto")
 }
 
 impl Roles {
@@ -168,17 +157,15 @@ fn normal(problem: &Problem, moving: &[Vec<usize>], one_needed: bool) -> Result<
         for at in locked.filter(|_| one_needed) {
             let found = first(at).unwrap_or(reference);
             if (found - reference).abs() > tolerance(problem, joint) {
-                return Err(Faults::one(
-                    "E0537",
-                    Place::item("segment", &problem.segments[at].label),
-                    format!(
-                        "joint '{}' is locked at {}, elsewhere at {} (rad or m): (43)-(46) need one normal configuration in all segments",
-                        joint_name(problem, joint),
-                        rounded(found, 6),
-                        rounded(reference, 6)
-                    ),
-                    "bring the joint back, or use --method auto",
-                ));
+                let place = Place::item("segment", &problem.segments[at].label);
+                let what = format!(
+                    "joint '{}' is locked at {}, elsewhere at {} (rad or m): (43)-(46) need one normal configuration in all segments",
+                    joint_name(problem, joint),
+                    rounded(found, 6),
+                    rounded(reference, 6)
+                );
+                let advice = "bring the joint back, or use --method auto";
+                return Err(Faults::one("E0537", place, what, advice));
             }
         }
         Ok(reference)

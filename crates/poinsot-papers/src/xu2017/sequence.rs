@@ -325,16 +325,14 @@ impl Work<'_> {
             let [rate, speed] = [s.w_NB_B.first(), velocity].map(|v| v.map_or(0.0, |v| v.norm()));
             let still = |x: f64, variance: f64| x <= REST * variance.sqrt() + 1.0e-12;
             if !still(rate, noise.gyro.trace()) || !still(speed, noise.velocity.trace()) {
-                return Err(Faults::one(
-                    "E0538",
-                    Place::item("segment", &segment.label),
-                    format!(
-                        "the vehicle moves at {} rad/s and {} m/s at the first sample: the objective (52) assumes zero momentum, so variant swarm must start at rest",
-                        rounded(rate, 2),
-                        rounded(speed, 2)
-                    ),
-                    "use --variant linear, which takes the momentum as unknown",
-                ));
+                let place = Place::item("segment", &segment.label);
+                let what = format!(
+                    "the vehicle moves at {} rad/s and {} m/s at the first sample: the objective (52) assumes zero momentum, so variant swarm must start at rest",
+                    rounded(rate, 2),
+                    rounded(speed, 2)
+                );
+                let advice = "use --variant linear, which takes the momentum as unknown";
+                return Err(Faults::one("E0538", place, what, advice));
             }
         }
         let note = "assumed: zero momentum, as in (49), because the base is at rest within the noise at first";
@@ -347,21 +345,16 @@ impl Work<'_> {
 
 /// Neither thrust nor a known body sets the scale.
 fn no_scale() -> Faults {
-    Faults::one(
-        "E0533",
-        Place::default(),
-        "no thruster fires with the joints locked, and no body fixes the scale of the momentum equations (35)",
-        "add a segment with thrust, take estimate out of the base or the arm, or use --method auto",
-    )
+    let what = "no thruster fires with the joints locked, and no body fixes the scale of the momentum equations (35)";
+    let advice =
+        "add a segment with thrust, take estimate out of the base or the arm, or use --method auto";
+    Faults::one("E0533", Place::default(), what, advice)
 }
 
 fn not_finite() -> Faults {
-    Faults::one(
-        "E0540",
-        Place::default(),
-        "the equations hold a number that is not finite",
-        "check units and magnitudes of the telemetry",
-    )
+    let what = "the equations hold a number that is not finite";
+    let advice = "check units and magnitudes of the telemetry";
+    Faults::one("E0540", Place::default(), what, advice)
 }
 
 fn properties_of(pi: &InertialParameters) -> Result<Single, Faults> {

@@ -65,19 +65,15 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
         found.ok_or("no such records")
     };
     let (one, half) = (of(10, PAPER.0)?, of(20, PAPER.0)?);
-    let mut inside = Table::new(
-        "inside",
-        "Printed numbers inside the 5 to 95 % band of 200 records of 350 s, of 6 each",
-        &format!(" | {} :.0", COLUMNS.join(" :.0 | ")),
-    );
+    let title = "Printed numbers inside the 5 to 95 % band of 200 records of 350 s, of 6 each";
+    let head = format!(" | {} :.0", COLUMNS.join(" :.0 | "));
+    let mut inside = Table::new("inside", title, &head);
     for records in [one, half] {
         inside.row(rate(records.step), (0..4).map(|c| records.inside(c)));
     }
-    let mut distances = Table::new(
-        "chi_square",
-        "Chi-square of the six suggested numbers on 6, by rate and length of the record",
-        " | 200 s | 300 s | 350 s | 400 s | 600 s",
-    );
+    let title = "Chi-square of the six suggested numbers on 6, by rate and length of the record";
+    let head = " | 200 s | 300 s | 350 s | 400 s | 600 s";
+    let mut distances = Table::new("chi_square", title, head);
     for step in STEPS {
         let of_rate = all.iter().filter(|r| r.step == step);
         distances.row(rate(step), of_rate.map(Records::chi_square));

@@ -13,18 +13,14 @@ pub fn axis(context: &Context) -> Result<Findings, StudyError> {
     let n = slew.normal();
     let across = largest(slew.w.iter().map(|w| (w - n * w.dot(&n)).norm()));
     let along = largest(slew.w.iter().map(|w| w.norm()));
-    let mut table = Table::new(
-        "axis",
-        "Axis n of the slew; rate along it and across it, rad/s",
-        " | n_x :.4 | n_y :.4 | n_z :.4 | along :4 | across",
-    );
+    let title = "Axis n of the slew; rate along it and across it, rad/s";
+    let head = " | n_x :.4 | n_y :.4 | n_z :.4 | along :4 | across";
+    let mut table = Table::new("axis", title, head);
     table.row("slew", [n.x, n.y, n.z, along, across]);
     let (In, m) = (slew.I * n, &PRINTED[1]);
-    let mut products = Table::new(
-        "products",
-        "Conventional products, kg m2: from the printed moments and I n alone, and as printed",
-        " | I_xy :.4 | I_yz :.4 | I_zx :.4",
-    );
+    let title =
+        "Conventional products, kg m2: from the printed moments and I n alone, and as printed";
+    let mut products = Table::new("products", title, " | I_xy :.4 | I_yz :.4 | I_zx :.4");
     let follows =
         [(0, 1), (1, 2), (2, 0)].map(|(i, j)| 0.5 * (m[j] * In[i] / In[j] + m[i] * In[j] / In[i]));
     products.row("from the moments", follows);
@@ -38,11 +34,9 @@ pub fn axis(context: &Context) -> Result<Findings, StudyError> {
 /// Each column without noise.
 pub fn table2(context: &Context) -> Result<Findings, StudyError> {
     let found = columns(&Slew::of(context)?.sums(PAPER.0, PAPER.1, &[])?)?;
-    let mut table = Table::new(
-        "columns",
-        "Table 2 without noise, and as printed, kg m2",
-        " | true :5 | batch :.3 | printed :.3 | conventional :.3 | printed :.3 | suggested :.3 | printed :.3",
-    );
+    let title = "Table 2 without noise, and as printed, kg m2";
+    let head = " | true :5 | batch :.3 | printed :.3 | conventional :.3 | printed :.3 | suggested :.3 | printed :.3";
+    let mut table = Table::new("columns", title, head);
     for (k, name) in NAMES.iter().enumerate() {
         let pairs = [0, 1, 3].map(|c| [found[c][k], PRINTED[c][k]]);
         let cells = [TRUE[k]].into_iter().chain(pairs.into_iter().flatten());

@@ -103,11 +103,8 @@ fn another_path(context: &Context) -> Result<Table, StudyError> {
     let turned = runs[0].raws.iter().zip(&runs[1].raws);
     let attitude = largest(turned.map(|(x, y)| x.R_NB.angle_to(&y.R_NB)));
     let [a, b] = runs.map(|run| run.solved(&run.raws, false).mass());
-    let mut table = Table::new(
-        "path",
-        "The same stops by another path: largest difference of attitude, rad; difference of option 2's mass, kg",
-        " | attitude | mass :1",
-    );
+    let title = "The same stops by another path: largest difference of attitude, rad; difference of option 2's mass, kg";
+    let mut table = Table::new("path", title, " | attitude | mass :1");
     table.row("another path", [attitude, (a - b).abs()]);
     Ok(table)
 }

@@ -54,11 +54,9 @@ pub fn coefficients(context: &Context) -> Result<Findings, StudyError> {
     for (axis, row) in ["dL_x", "dL_y", "dL_z"].into_iter().zip(most) {
         bounds.row(axis, row);
     }
-    let mut runs = Table::new(
-        "runs",
-        "Along C2 to C7: rate, rad/s; |dP/dm0| as corrected, |v0 - v1|, and as (68) prints, |v0|, m/s",
-        "joint | largest rate :.5 | corrected | printed",
-    );
+    let title = "Along C2 to C7: rate, rad/s; |dP/dm0| as corrected, |v0 - v1|, and as (68) prints, |v0|, m/s";
+    let head = "joint | largest rate :.5 | corrected | printed";
+    let mut runs = Table::new("runs", title, head);
     let (mut wrong, mut fastest): (f64, f64) = (0.0, 0.0);
     for (joint, name) in ARM.into_iter().enumerate() {
         let d = robot.data(&[name])?;
