@@ -228,10 +228,8 @@ pub(crate) fn withheld(found: &Identifiability) -> Option<String> {
     }
     if found.ranks.iter().any(|r| *r != found.ranks[0]) {
         let ranks: Vec<String> = found.ranks.iter().map(usize::to_string).collect();
-        text.push_str(&format!(
-            "; the rank changes along the set of equal prediction: {}",
-            ranks.join(", ")
-        ));
+        text += "; the rank changes along the set of equal prediction: ";
+        text += &ranks.join(", ");
     }
     Some(text)
 }

@@ -113,16 +113,13 @@ fn suspect(found: &Diagnostics, bad_sensor: bool) -> Option<Remark> {
     };
     let of_noise = first.fault.is_noise_fault();
     let minor = bad_sensor && first.explains < MOST_OF_MISFIT;
+    let name = &first.name;
     let words = match first.explains > 0.0 && !of_noise {
         true => format!(
-            "{} would explain {:.0} % of the misfit",
-            first.name,
+            "{name} would explain {:.0} % of the misfit",
             100.0 * first.explains
         ),
-        false => format!(
-            "{} would reduce chi-square by {:.0}",
-            first.name, first.decrease
-        ),
+        false => format!("{name} would reduce chi-square by {:.0}", first.decrease),
     };
     let effect = Effect::AgainstAnswer.if_failed(!of_noise && !minor);
     Some(Remark {
@@ -136,12 +133,10 @@ fn pooled(solution: &Solution, bad_sensor: bool) -> Remark {
     let chi2 = solution.chi2_per_dof();
     let failed = !bad_sensor && chi2 > solution.settings.misfit;
     let effect = Effect::AgainstAnswer.if_failed(failed);
+    let ratio = chi2.sqrt();
     let words = match failed {
-        true => format!("residuals are {:.1} times the declared noise", chi2.sqrt()),
-        false => format!(
-            "all residuals together are {:.2} times the declared noise",
-            chi2.sqrt()
-        ),
+        true => format!("residuals are {ratio:.1} times the declared noise"),
+        false => format!("all residuals together are {ratio:.2} times the declared noise"),
     };
     let (square, dof) = solution.residual;
     Remark::test("all residuals", effect, words)
@@ -184,9 +179,7 @@ fn physical_limit(own: &OfLikelihood, settings: &Settings) -> Option<Remark> {
         let keeps_physical = settings.coordinates == Coordinates::Physical;
         return keeps_physical.then(|| Remark::test(test, Effect::None, words));
     };
-    let words = format!(
-        "{} is at the limit of physical mass properties",
-        held.bodies.join(", ")
-    );
+    let bodies = held.bodies.join(", ");
+    let words = format!("{bodies} is at the limit of physical mass properties");
     Some(Remark::test(test, Effect::AgainstAnswer, words).chi_square(held.cost, held.conditions))
 }

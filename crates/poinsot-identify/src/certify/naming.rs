@@ -510,10 +510,8 @@ fn poor_motion(problem: &Problem, solution: &Solution) -> [String; 2] {
 
 /// Sigma of the best undetermined direction.
 fn best_open(sigma: f64) -> String {
-    format!(
-        "the best unobservable direction has a sigma of {} times the nominal",
-        rounded(sigma, 2)
-    )
+    let sigma = rounded(sigma, 2);
+    format!("the best unobservable direction has a sigma of {sigma} times the nominal")
 }
 
 /// The part of a direction across orthonormal ones; twice is enough (Parlett 1980).

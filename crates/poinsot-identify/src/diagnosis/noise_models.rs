@@ -124,10 +124,8 @@ fn noise(experiment: &Experiment, fitted: &Fitted, channel: &ChannelDiagnosis) -
         let square = own.map(|c| c.square).sum::<f64>() / numbers;
         let share = (variance * channel.chi2_per_number / square).min(1.0);
         let factor = (1.0 + (ratio - 1.0) / share).sqrt();
-        let name = format!(
-            "noise of the {} {factor:.2} times as large as declared",
-            channel.name
-        );
+        let of = &channel.name;
+        let name = format!("noise of the {of} {factor:.2} times as large as declared");
         let value = (format!("{}.noise_factor", channel.name), factor, "1");
         scored(name, FaultKind::NoiseUnderstated, decrease, value)
     })
@@ -176,10 +174,8 @@ fn jitters(
             let left = table.refitted(&name, |slope| less_along(slope, variance), place);
             predictable(&left, numbers).is_none_or(|share| share < limits.predictable_share)
         };
-        let what = format!(
-            "jitter of the sample times of the {}",
-            name.replace('_', " ")
-        );
+        let words = name.replace('_', " ");
+        let what = format!("jitter of the sample times of the {words}");
         let value = (format!("{name}.jitter"), variance.sqrt(), "s");
         let jitter = scored(what, FaultKind::TimeJitter, decrease, value);
         if jitter.is_significant(mean_square, limits.false_alarm) && white(variance) {

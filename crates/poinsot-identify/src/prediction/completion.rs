@@ -87,10 +87,8 @@ pub fn complete(
     let determined: Vec<&DeterminedCombination> = linear.collect();
     let linear = determined.len();
     if nothing {
-        return Err(refused(
-            "it has no determined combination (status rejected, or nothing identified), so it cannot predict",
-            "give an estimate from more data",
-        ));
+        let problem = "it has no determined combination (status rejected, or nothing identified), so it cannot predict";
+        return Err(refused(problem, "give an estimate from more data"));
     }
     if linear < rank {
         return Err(refused(

@@ -12,54 +12,40 @@ pub const NO_MOTION: &str = "E0405";
 
 /// E0401: the nominal numbers make a product of unknowns.
 pub(crate) fn nonlinear(body: &str) -> Faults {
-    Faults::one(
-        "E0401",
-        Place::item("body", body),
-        "estimate has the mass centre but not the inertia; about the origin of the body the inertia then holds a product of unknowns",
-        "add \"inertia\" to estimate",
-    )
+    let place = Place::item("body", body);
+    let problem = "estimate has the mass centre but not the inertia; about the origin of the body the inertia then holds a product of unknowns";
+    Faults::one("E0401", place, problem, "add \"inertia\" to estimate")
 }
 
 /// E0402: nothing is unknown.
 pub(crate) fn nothing_unknown() -> Faults {
-    Faults::one(
-        "E0402",
-        Place::default(),
-        "the model has nothing to estimate: every body is known",
-        "set estimate = true on at least one body",
-    )
+    let problem = "the model has nothing to estimate: every body is known";
+    let advice = "set estimate = true on at least one body";
+    Faults::one("E0402", Place::default(), problem, advice)
 }
 
 /// E0403: a tree without a translation sensor.
 pub(crate) fn rotation_of_tree(bodies: usize) -> Faults {
-    Faults::one(
-        NO_VELOCITY,
-        Place::default(),
-        format!(
-            "no velocity (channels v_x v_y v_z with a [[sensor]] of type \"velocity\"): without it the linear method identifies one fully unknown rigid body only, and this model has {bodies} bodies"
-        ),
-        "add velocity or use --method maximum_likelihood",
-    )
+    let problem = format!(
+        "no velocity (channels v_x v_y v_z with a [[sensor]] of type \"velocity\"): without it the linear method identifies one fully unknown rigid body only, and this model has {bodies} bodies"
+    );
+    let advice = "add velocity or use --method maximum_likelihood";
+    Faults::one(NO_VELOCITY, Place::default(), problem, advice)
 }
 
 /// E0404: too few samples.
 pub fn too_few_samples(segment: &str, samples: usize) -> Faults {
-    Faults::one(
-        "E0404",
-        Place::item("segment", segment),
-        format!("{}, at least 2 are needed", counted(samples, "sample")),
-        "give a longer record",
-    )
+    let place = Place::item("segment", segment);
+    let problem = format!("{}, at least 2 are needed", counted(samples, "sample"));
+    Faults::one("E0404", place, problem, "give a longer record")
 }
 
 /// E0405: the nominal vehicle has no motion.
 pub fn no_motion() -> Faults {
-    Faults::one(
-        NO_MOTION,
-        Place::default(),
-        "the motion cannot be predicted from the nominal mass properties (no positive mass or inertia, or a rotation five times faster than measured)",
-        "check mass_kg and inertia_kg_m2 in the model and the units of wheel and joint columns",
-    )
+    let problem = "the motion cannot be predicted from the nominal mass properties (no positive mass or inertia, or a rotation five times faster than measured)";
+    let advice =
+        "check mass_kg and inertia_kg_m2 in the model and the units of wheel and joint columns";
+    Faults::one(NO_MOTION, Place::default(), problem, advice)
 }
 
 /// E0406: the matrices would exceed memory and computing time.
@@ -90,12 +76,9 @@ pub(crate) fn passive_joint(name: &str, with: &str, advice: &str) -> Faults {
 
 /// E0410: the numbers overflow.
 pub fn not_finite(_: NotFinite) -> Faults {
-    Faults::one(
-        "E0410",
-        Place::default(),
-        "the equations hold a number that is not finite",
-        "check units and magnitudes of the telemetry",
-    )
+    let problem = "the equations hold a number that is not finite";
+    let advice = "check units and magnitudes of the telemetry";
+    Faults::one("E0410", Place::default(), problem, advice)
 }
 
 /// E0411: an array is too short, too long or points beyond the grid.

@@ -70,11 +70,8 @@ fn in_words(changes: &[&Change]) -> String {
     if !numbers.is_empty() {
         let of = |(what, bodies): &(&str, Vec<&str>)| format!("the {what} of {}", listed(bodies));
         let numbers: Vec<String> = numbers.iter().map(of).collect();
-        all.push(format!(
-            "fix {} to a sigma of {} of nominal",
-            listed(&numbers),
-            percent(GIVEN)
-        ));
+        let (numbers, sigma) = (listed(&numbers), percent(GIVEN));
+        all.push(format!("fix {numbers} to a sigma of {sigma} of nominal"));
     }
     all.join(", and ")
 }

@@ -121,11 +121,8 @@ impl Baseline<'_> {
             let mut moving = trial.clone();
             moving.swing(joint, coordinates.len(), 1.0);
             let joint = &self.problem.model.joints[*at];
-            let text = format!(
-                "record {span:.0} s more with {} oscillating by {size} {}",
-                joint.name,
-                unit(joint)
-            );
+            let (name, unit) = (&joint.name, unit(joint));
+            let text = format!("record {span:.0} s more with {name} oscillating by {size} {unit}");
             add(text, &moving);
         }
         if coordinates.len() > 1 {
