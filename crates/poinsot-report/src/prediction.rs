@@ -97,10 +97,8 @@ pub fn prediction_sentence(prediction: &PredictionFile) -> String {
         let whole = prediction.system.iter().filter(|b| is_shown(b));
         told.extend(whole.map(|b| of_body("system", b)));
         let names: Vec<&str> = silent.iter().map(|b| b.0.as_str()).collect();
-        told.push(format!(
-            "no single number of {} is identifiable",
-            names.join(", ")
-        ));
+        let names = names.join(", ");
+        told.push(format!("no single number of {names} is identifiable"));
     }
     let found = &prediction.identifiability;
     format!(

@@ -65,10 +65,8 @@ fn csv(name: &str, b: &BodyFile) -> String {
         let source = e.source.as_deref().unwrap_or("not determined");
         let number = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{x:?}"));
         let (value, half) = (number(e.value), number(e.half_width_95));
-        format!(
-            "\"{name}\",{what},{},{value},{half},{:?},{source}\n",
-            e.unit, e.nominal
-        )
+        let (unit, nominal) = (e.unit, e.nominal);
+        format!("\"{name}\",{what},{unit},{value},{half},{nominal:?},{source}\n")
     };
     entries(b).into_iter().map(row).collect()
 }

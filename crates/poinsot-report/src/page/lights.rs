@@ -99,10 +99,7 @@ fn held_out(d: &DiagnosticsFile) -> Found {
         return (Tone::Plain, "not tested", "too few samples".to_owned());
     };
     let (tone, word) = held_out_verdict(held);
-    let found = format!(
-        "last {:.0} % of every record, p = {}",
-        100.0 * held.share,
-        probability(held.p)
-    );
+    let (share, p) = (100.0 * held.share, probability(held.p));
+    let found = format!("last {share:.0} % of every record, p = {p}");
     (tone, word, found)
 }

@@ -130,13 +130,8 @@ fn lights(methods: &IndexMap<&str, Worst>) -> Vec<Light> {
             (0, false) => (Tone::Fair, "not contradicted"),
             _ => (Tone::Bad, "no"),
         };
-        light(
-            "Calibrated?",
-            "tables",
-            tone,
-            word,
-            format!("{method}: {found}"),
-        )
+        let found = format!("{method}: {found}");
+        light("Calibrated?", "tables", tone, word, found)
     };
     methods.iter().map(light).collect()
 }

@@ -107,10 +107,8 @@ pub fn result_page(
     let mut page = page.map_err(|e| no_page(&e))?;
     let text = std::str::from_utf8(bytes).unwrap_or_default();
     if checksum(text).is_none() {
-        page.subtitle = format!(
-            "Unchecked: {} has no checksum. {}",
-            named.schema, page.subtitle
-        );
+        let warning = format!("Unchecked: {} has no checksum. ", named.schema);
+        page.subtitle.insert_str(0, &warning);
     }
     Ok(page)
 }

@@ -51,11 +51,8 @@ pub(super) fn result(p: &PredictionFile) -> Shown {
 fn lights(p: &PredictionFile, met: usize) -> Vec<Light> {
     let found = &p.identifiability;
     let all = found.rank == found.parameters;
-    let of = format!(
-        "{} of {}",
-        found.rank,
-        counted(found.parameters, "combination")
-    );
+    let combinations = counted(found.parameters, "combination");
+    let of = format!("{} of {combinations}", found.rank);
     let mut lights = vec![asked("Everything identifiable?", all, of)];
     if !all {
         lights[0].place = "open";
