@@ -214,12 +214,8 @@ impl<'c> Asked<'c> {
         }
         let minutes = match minutes {
             Some(m) if !(m.is_finite() && m > 0.0) => {
-                return Err(Error::usage(
-                    "--minutes",
-                    m,
-                    "must be a positive number",
-                    "give for example 5",
-                ));
+                let what = "must be a positive number";
+                return Err(Error::usage("--minutes", m, what, "give for example 5"));
             }
             other => other,
         };
@@ -247,12 +243,8 @@ impl<'c> Asked<'c> {
     fn space(&self, limits: &Limits, duration: f64) -> Result<Space, Error> {
         let times = (duration, self.design.window.rest(self.case.duration_s));
         Space::new(&self.design, limits, times).map_err(|(target, why)| {
-            Error::usage(
-                "CASE",
-                self.case.path().display(),
-                format!("{}: {why}", target.name(self.model)),
-                "",
-            )
+            let what = format!("{}: {why}", target.name(self.model));
+            Error::usage("CASE", self.case.path().display(), what, "")
         })
     }
 
@@ -334,12 +326,9 @@ impl<'c> Asked<'c> {
             if let Some(scenario) = question.scenario(&space, &rest) {
                 question.fly(self.model, scenario)?;
             }
-            return Err(Error::usage(
-                "CASE",
-                self.case.path().display(),
-                "no manoeuvre could be evaluated before the search was stopped",
-                "give more time",
-            ));
+            let value = self.case.path().display();
+            let what = "no manoeuvre could be evaluated before the search was stopped";
+            return Err(Error::usage("CASE", value, what, "give more time"));
         };
         let reaches = found.reached.values.merit() <= -SURE;
         let mut nominal = Nominal {

@@ -230,12 +230,8 @@ impl Mover {
                     let h = (pair[1] - pair[0]) / PARTS as f64;
                     for part in 0..PARTS {
                         let t = pair[0] + h * part as f64;
-                        hull(
-                            &mut out,
-                            &p.at(t, t + 0.5 * h),
-                            &p.at(t + h, t + 0.5 * h),
-                            h,
-                        );
+                        let (from, to) = (p.at(t, t + 0.5 * h), p.at(t + h, t + 0.5 * h));
+                        hull(&mut out, &from, &to, h);
                     }
                 }
             }

@@ -62,12 +62,8 @@ impl Asked<'_> {
         let found = GROUPS.iter().find(|g| g.words.replace(' ', "-") == what);
         found.ok_or_else(|| {
             let known: Vec<String> = GROUPS.iter().map(|g| g.words.replace(' ', "-")).collect();
-            Error::usage(
-                "--front",
-                what,
-                "no such limit",
-                format!("use one of {}", known.join(", ")),
-            )
+            let advice = format!("use one of {}", known.join(", "));
+            Error::usage("--front", what, "no such limit", advice)
         })
     }
 

@@ -121,10 +121,8 @@ impl Watch {
             let others = limits.capsules.iter().enumerate();
             let others = others.filter(|(_, c)| plumes[k].is_some() && c.body != thruster.body);
             for (c, capsule) in others {
-                let what = format!(
-                    "plume of {} and {}",
-                    thruster.name, model.bodies[capsule.body].name
-                );
+                let body = &model.bodies[capsule.body].name;
+                let what = format!("plume of {} and {body}", thruster.name);
                 push(what, "m", limits.clearance, Kind::Plume(k, c));
             }
         }

@@ -45,11 +45,8 @@ pub(crate) fn manoeuvre_text(
             force_N: f.force,
         }));
     let text = toml::to_string(&file).map_err(|e| {
-        Error::report(
-            case.path(),
-            format!("{e}"),
-            "report this bug in poinsot with the case",
-        )
+        let advice = "report this bug in poinsot with the case";
+        Error::report(case.path(), format!("{e}"), advice)
     })?;
     let (program, from) = (env!("CARGO_PKG_VERSION"), case.path().display());
     Ok(format!(
