@@ -128,12 +128,9 @@ pub fn serve(
     feed: &Arc<Feed>,
 ) -> std::result::Result<String, Error> {
     let taken = |e: &dyn std::fmt::Display| {
-        Error::one(
-            "E0003",
-            Place::option("--serve"),
-            format!("{address} cannot be served: {e}"),
-            "choose another port, or 0 for a free one",
-        )
+        let problem = format!("{address} cannot be served: {e}");
+        let advice = "choose another port, or 0 for a free one";
+        Error::one("E0003", Place::option("--serve"), problem, advice)
     };
     let server = Server::http(address).map_err(|e| taken(&e))?;
     let own = server.server_addr().to_ip().unwrap_or(address);

@@ -48,12 +48,8 @@ pub fn identify(
     let vehicle = parse_model(&model.content, &model.name)?;
     if telemetry.is_empty() {
         let problem = "there is no telemetry";
-        return Err(Error::usage(
-            "--telemetry",
-            "",
-            problem,
-            "give at least one file",
-        ));
+        let advice = "give at least one file";
+        return Err(Error::usage("--telemetry", "", problem, advice));
     }
     let names: Vec<String> = telemetry.iter().map(|file| file.name.clone()).collect();
     let command = command(&model.name, &names, together);

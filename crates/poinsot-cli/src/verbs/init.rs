@@ -70,8 +70,6 @@ fn remaining(out: &Path, questions: &[QuestionFile], files: &[PathBuf]) -> Strin
         0 => String::new(),
         open => format!("Answer {} in the file, then: ", counted(open, "question")),
     };
-    format!(
-        "{text}{first}poinsot identify -m {path} {}\n",
-        names.join(",")
-    )
+    let names = names.join(",");
+    format!("{text}{first}poinsot identify -m {path} {names}\n")
 }
