@@ -31,20 +31,13 @@ pub fn rows<'a>(
 ) -> Result<&'a [f64], Fault> {
     let found = array.shape().last().copied().unwrap_or(1);
     if found != width {
-        return Err(Fault::argument(
-            what,
-            format!("{:?}", array.shape()),
-            format!("its last axis has {found} entries, expected {width}"),
-            "give one for each",
-        ));
+        let value = format!("{:?}", array.shape());
+        let problem = format!("its last axis has {found} entries, expected {width}");
+        return Err(Fault::argument(what, value, problem, "give one for each"));
     }
     array.as_slice().map_err(|_| {
         let shape = format!("{:?}", array.shape());
-        Fault::argument(
-            what,
-            shape,
-            "it is not C-contiguous",
-            "use np.ascontiguousarray",
-        )
+        let problem = "it is not C-contiguous";
+        Fault::argument(what, shape, problem, "use np.ascontiguousarray")
     })
 }

@@ -90,12 +90,8 @@ fn bodies(model: &CoreModel, given: Option<&Input<'_>>) -> Result<Vec<InertialPa
         .collect();
     if sets.len() != model.nominal.len() {
         let why = format!("{} sets, expected {}", sets.len(), model.nominal.len());
-        return Err(Fault::argument(
-            "parameters",
-            sets.len(),
-            why,
-            "give ten numbers a body",
-        ));
+        let advice = "give ten numbers a body";
+        return Err(Fault::argument("parameters", sets.len(), why, advice));
     }
     Ok(sets)
 }
@@ -203,30 +199,25 @@ pub fn mass_matrix(
     let bodies = bodies(model, parameters.as_ref())?;
     let (dof, size) = (tree.dof(), 6 + tree.dof());
     let scratch = || (Kinematics::new(tree), MassMatrix::new(tree));
-    fill_each(
-        py,
-        output(&mut out)?,
-        size * size,
-        scratch,
-        |(kinematics, H), k, row| {
-            kinematics.place(tree, q.get(k * dof..(k + 1) * dof).unwrap_or_default());
-            H.set(tree, &bodies, kinematics);
-            for i in 0..6 {
-                for j in 0..6 {
-                    row[i * size + j] = H.H_b[(i, j)];
-                }
-                for j in 0..dof {
-                    row[i * size + 6 + j] = H.H_bm[j][i];
-                    row[(6 + j) * size + i] = H.H_bm[j][i];
-                }
+    let (out, width) = (output(&mut out)?, size * size);
+    fill_each(py, out, width, scratch, |(kinematics, H), k, row| {
+        kinematics.place(tree, q.get(k * dof..(k + 1) * dof).unwrap_or_default());
+        H.set(tree, &bodies, kinematics);
+        for i in 0..6 {
+            for j in 0..6 {
+                row[i * size + j] = H.H_b[(i, j)];
             }
-            for i in 0..dof {
-                let from = &H.H_m[i * dof..(i + 1) * dof];
-                row[(6 + i) * size + 6..(7 + i) * size].copy_from_slice(from);
+            for j in 0..dof {
+                row[i * size + 6 + j] = H.H_bm[j][i];
+                row[(6 + j) * size + i] = H.H_bm[j][i];
             }
-            Ok(())
-        },
-    )
+        }
+        for i in 0..dof {
+            let from = &H.H_m[i * dof..(i + 1) * dof];
+            row[(6 + i) * size + 6..(7 + i) * size].copy_from_slice(from);
+        }
+        Ok(())
+    })
 }
 
 /// `out`: `(n, 6, 6 + dof)`, or `(n, 6, dof)` without momentum.
@@ -254,35 +245,30 @@ pub fn jacobian(
         let columns = vec![Vector6::zeros(); dof];
         (Kinematics::new(tree), MassMatrix::new(tree), columns)
     };
-    fill_each(
-        py,
-        output(&mut out)?,
-        width,
-        scratch,
-        |(kinematics, H, J), k, row| {
-            kinematics.place(tree, q.get(k * dof..(k + 1) * dof).unwrap_or_default());
-            let place = point_of_body(kinematics, body, &point);
-            joint_jacobian(tree, kinematics, body, &place, J);
-            if generalised {
-                H.set(tree, &bodies, kinematics);
-                generalise_jacobian(H, &place, J)
-                    .ok_or_else(|| singular(k, "the vehicle has no mass or no inertia"))?;
-            } else {
-                let J_b = poinsot_dynamics::base_jacobian(&place);
-                for i in 0..6 {
-                    for j in 0..6 {
-                        row[i * (6 + dof) + j] = J_b[(i, j)];
-                    }
+    let out = output(&mut out)?;
+    fill_each(py, out, width, scratch, |(kinematics, H, J), k, row| {
+        kinematics.place(tree, q.get(k * dof..(k + 1) * dof).unwrap_or_default());
+        let place = point_of_body(kinematics, body, &point);
+        joint_jacobian(tree, kinematics, body, &place, J);
+        if generalised {
+            H.set(tree, &bodies, kinematics);
+            generalise_jacobian(H, &place, J)
+                .ok_or_else(|| singular(k, "the vehicle has no mass or no inertia"))?;
+        } else {
+            let J_b = poinsot_dynamics::base_jacobian(&place);
+            for i in 0..6 {
+                for j in 0..6 {
+                    row[i * (6 + dof) + j] = J_b[(i, j)];
                 }
             }
-            for (j, column) in J.iter().enumerate() {
-                for i in 0..6 {
-                    row[i * (base + dof) + base + j] = column[i];
-                }
+        }
+        for (j, column) in J.iter().enumerate() {
+            for i in 0..6 {
+                row[i * (base + dof) + base + j] = column[i];
             }
-            Ok(())
-        },
-    )
+        }
+        Ok(())
+    })
 }
 
 fn singular(state: usize, why: &str) -> Fault {
@@ -346,9 +332,10 @@ pub fn integrate(
     let spin = model.model.spin_inertias();
     let one_time = 2 * dof + 13;
     let width = one_time * times.len();
+    let out = output(&mut out)?;
     fill_each(
         py,
-        output(&mut out)?,
+        out,
         width,
         || (),
         |(), k, row| {

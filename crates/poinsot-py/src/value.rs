@@ -14,11 +14,8 @@ const DEEPEST: usize = 32;
 /// A value of another type; the message names its key.
 pub fn to_toml(value: &Bound<'_, PyAny>, key: &str, depth: usize) -> PyResult<Value> {
     if depth > DEEPEST {
-        return Err(refused(
-            key,
-            "nested too deep",
-            "give plain dictionaries and lists",
-        ));
+        let what = "nested too deep";
+        return Err(refused(key, what, "give plain dictionaries and lists"));
     }
     if let Ok(flag) = value.cast::<PyBool>() {
         return Ok(Value::Boolean(flag.is_true()));
@@ -48,11 +45,8 @@ pub fn to_toml(value: &Bound<'_, PyAny>, key: &str, depth: usize) -> PyResult<Va
     let Ok(items) = value.try_iter() else {
         let kind = value.get_type().name()?.to_string();
         let what = format!("a value of type {kind}");
-        return Err(refused(
-            key,
-            &what,
-            "give a number, text, list or dictionary",
-        ));
+        let remedy = "give a number, text, list or dictionary";
+        return Err(refused(key, &what, remedy));
     };
     let mut list = Vec::new();
     for (k, item) in items.enumerate() {
@@ -65,11 +59,8 @@ fn table_of(table: &Bound<'_, PyDict>, key: &str, depth: usize) -> PyResult<Valu
     let mut out = toml::Table::new();
     for (name, item) in table.iter() {
         let Ok(name) = name.extract::<String>() else {
-            return Err(refused(
-                key,
-                "a key that is no text",
-                "name every entry by text",
-            ));
+            let what = "a key that is no text";
+            return Err(refused(key, what, "name every entry by text"));
         };
         if item.is_none() {
             continue;
