@@ -189,12 +189,8 @@ impl OnBoard {
                 "map its column in [telemetry.columns], or say of a joint where it is locked (unused: {})",
                 table.ignored.join(", ")
             );
-            Err(missing(
-                &model.name,
-                &name,
-                "the on-board filter needs it",
-                &advice,
-            ))
+            let purpose = "the on-board filter needs it";
+            Err(missing(&model.name, &name, purpose, &advice))
         })
     }
 
@@ -364,23 +360,11 @@ fn covariance(
 ) -> TenByTen {
     let units = nominal.natural_units();
     let (declared, unknown) = (body.prior, body.estimate);
-    let groups = [
-        (0..1, unknown.mass, declared.and_then(|p| p.mass), "mass"),
-        (
-            1..4,
-            unknown.com,
-            declared.and_then(|p| p.com),
-            "mass centre",
-        ),
-        (
-            4..10,
-            unknown.inertia,
-            declared.and_then(|p| p.inertia),
-            "inertia",
-        ),
-    ];
+    let groups = [(0..1, "mass"), (1..4, "mass centre"), (4..10, "inertia")];
     let mut out = TenByTen::zeros();
-    for (range, unknown, declared, name) in groups {
+    for (range, name) in groups {
+        let unknown = unknown.has(range.start);
+        let declared = declared.and_then(|p| p.sigma(range.start));
         if unknown && declared.is_none() && answer.is_none() {
             let of = &body.name;
             assumed.push(format!(
