@@ -104,12 +104,8 @@ fn case(path: &Path, text: String) -> Result<Vec<String>, Error> {
 fn plan(path: &Path) -> Result<Vec<String>, Error> {
     let plan = read_plan(path)?;
     let sizes = [plan.trials, plan.cells(), plan.shards()];
-    Ok(plan_lines(
-        &plan.file,
-        &plan.name,
-        sizes,
-        &plan.method_labels(),
-    ))
+    let methods = plan.method_labels();
+    Ok(plan_lines(&plan.file, &plan.name, sizes, &methods))
 }
 
 fn estimate(path: &Path, text: &str) -> Result<Described, Error> {

@@ -78,11 +78,8 @@ pub fn compare_estimates(answers: &[(PathBuf, EstimateFile)]) -> Result<Comparis
         .filter(|(_, e)| !e.bodies.keys().eq(first.bodies.keys()));
     if let Some((path, other)) = strange.next() {
         let (own, wanted) = (names(other), names(first));
-        return Err(Error::report(
-            path,
-            format!("its bodies are {own}, those of the first answer {wanted}"),
-            "give answers of one vehicle",
-        ));
+        let problem = format!("its bodies are {own}, those of the first answer {wanted}");
+        return Err(Error::report(path, problem, "give answers of one vehicle"));
     }
     let files: Vec<&EstimateFile> = answers.iter().map(|(_, file)| file).collect();
     let common = Answers::common(&files);
@@ -118,12 +115,8 @@ pub fn compare_estimates(answers: &[(PathBuf, EstimateFile)]) -> Result<Comparis
 }
 
 fn too_few(found: usize) -> Error {
-    Error::usage(
-        "ANSWER",
-        found,
-        "at least two answers are compared",
-        "give two folders of identify --out",
-    )
+    let advice = "give two folders of identify --out";
+    Error::usage("ANSWER", found, "at least two answers are compared", advice)
 }
 
 fn number(common: &Answers, k: usize, mean: Option<Mean>) -> ComparedNumberFile {

@@ -16,12 +16,10 @@ pub(crate) fn missing(segment: &str, channel: &str, purpose: &str, advice: &str)
 /// E0302: a sensor without declared noise.
 pub(crate) fn no_noise(kind: SensorKind) -> Error {
     let (word, unit) = (kind.declared_as().word(), kind.unit(false));
-    Error::one(
-        "E0302",
-        Place::label("model"),
-        format!("no sensor of type '{word}' declares its noise, which every uncertainty needs"),
-        format!("add [[sensor]] type = \"{word}\" with noise_{unit}"),
-    )
+    let problem =
+        format!("no sensor of type '{word}' declares its noise, which every uncertainty needs");
+    let advice = format!("add [[sensor]] type = \"{word}\" with noise_{unit}");
+    Error::one("E0302", Place::label("model"), problem, advice)
 }
 
 /// E0305: something that no estimator supports.

@@ -487,12 +487,9 @@ fn policies(question: &Question) -> Result<Policies, Error> {
 /// Duplicate samples would make every sigma too small.
 fn refuse_twice(tables: &[Table]) -> Result<(), Error> {
     let twice = |value: &str, of: &str| {
-        Err(Error::usage(
-            "--telemetry",
-            value,
-            format!("its content is that of {of}: the same samples would count twice"),
-            "give each record once",
-        ))
+        let what = format!("its content is that of {of}: the same samples would count twice");
+        let advice = "give each record once";
+        Err(Error::usage("--telemetry", value, what, advice))
     };
     let mut seen: Vec<&Source> = Vec::new();
     // A source without a hash is not a file.
@@ -644,10 +641,8 @@ fn known_as_exact(model: &Model, estimate: &mut Estimate) {
 }
 
 fn not_acceptable(estimate: &mut Estimate, share: f64, of: &str) {
-    let left_out = format!(
-        "{:.0} % of the samples of {of} were left out",
-        100.0 * share
-    );
+    let percent = 100.0 * share;
+    let left_out = format!("{percent:.0} % of the samples of {of} were left out");
     estimate.add(Remark::warning(format!(
         "{left_out}; check the repairs before you use the answer"
     )));
@@ -675,12 +670,9 @@ fn refuse_unsupported(model: &Model, question: &Question) -> Result<(), Error> {
     } else {
         return Ok(());
     };
-    Err(Error::usage(
-        "--method",
-        &question.method,
-        format!("the model has {what}, which this method does not support"),
-        format!("use maximum_likelihood, or take {place}"),
-    ))
+    let what = format!("the model has {what}, which this method does not support");
+    let advice = format!("use maximum_likelihood, or take {place}");
+    Err(Error::usage("--method", &question.method, what, advice))
 }
 
 /// The estimate of a method, without curves for a report; `diagnose` searches for causes of a misfit.

@@ -45,12 +45,8 @@ pub fn init(files: &[PathBuf], urdf: Option<&Path>, options: &ReadOptions) -> Re
     survey.proposals.iter_mut().for_each(|p| p.ask_less(&parts));
     if let (None, Some(joint)) = (&robot, parts.joints.first()) {
         let problem = format!("the files have a joint, '{joint}', and nothing says where it is");
-        return Err(Error::usage(
-            "--urdf",
-            "",
-            problem,
-            "give the robot: --urdf ROBOT.urdf",
-        ));
+        let advice = "give the robot: --urdf ROBOT.urdf";
+        return Err(Error::usage("--urdf", "", problem, advice));
     }
     let mut out = block("head", &[]);
     match &robot {

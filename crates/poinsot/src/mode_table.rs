@@ -88,10 +88,8 @@ pub fn import_modes(path: &Path, body: &str) -> Result<ModeTable, Error> {
     let unknown: Vec<&str> = unknown.map(|(name, _)| name).collect();
     let mut notes = Vec::new();
     if !unknown.is_empty() {
-        notes.push(format!(
-            "columns without a meaning here: {}",
-            unknown.join(", ")
-        ));
+        let unknown = unknown.join(", ");
+        notes.push(format!("columns without a meaning here: {unknown}"));
     }
     let has = |wanted: fn(&Column) -> bool| columns.iter().flatten().any(wanted);
     let missing = [
@@ -107,10 +105,8 @@ pub fn import_modes(path: &Path, body: &str) -> Result<ModeTable, Error> {
         ),
     ];
     if let Some((_, what, advice)) = missing.into_iter().find(|m| !m.0) {
-        let problem = format!(
-            "{what} is missing among {}",
-            header.iter().collect::<Vec<_>>().join(", ")
-        );
+        let names = header.iter().collect::<Vec<_>>().join(", ");
+        let problem = format!("{what} is missing among {names}");
         return Err(Error::one("E0106", Place::row(path, 1), problem, advice));
     }
     let mut rows = Vec::new();
@@ -187,12 +183,8 @@ fn row(
         let Some(number) = number else {
             let problem = format!("\"{cell}\" is not a number");
             let advice = "give a number in SI with a decimal point";
-            return Err(Error::one(
-                "E0107",
-                Place::cell(path, line, name),
-                problem,
-                advice,
-            ));
+            let place = Place::cell(path, line, name);
+            return Err(Error::one("E0107", place, problem, advice));
         };
         match column {
             Column::Hertz => row.frequency_Hz = number,

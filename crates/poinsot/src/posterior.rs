@@ -99,10 +99,9 @@ fn same_unknowns(model: &Model, answer: &EstimateFile, path: &Path) -> Result<()
                 .find(own)
                 .is_some_and(|n| n.2.is_known() == unknown)
             {
+                let (here, there) = (word(unknown), word(!unknown));
                 return refuse(format!(
-                    "{name} is {} in the model and {} in the answer",
-                    word(unknown),
-                    word(!unknown)
+                    "{name} is {here} in the model and {there} in the answer"
                 ));
             }
         }

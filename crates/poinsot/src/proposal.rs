@@ -344,11 +344,8 @@ impl FileHead {
         let group: Vec<&str> = same
             .filter_map(|f| Some(self.header.get(f.column)?.as_str()))
             .collect();
-        let question = format!(
-            "unit of {}: {}",
-            group.join(", "),
-            list_of(found.kind.dimension())
-        );
+        let (group, units) = (group.join(", "), list_of(found.kind.dimension()));
+        let question = format!("unit of {group}: {units}");
         let mut choices = Vec::new();
         let mut unit =
             |word: &str, sure| choices.push(Choice::new("unit", word, sure, question.as_str()));

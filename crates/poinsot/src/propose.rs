@@ -64,10 +64,8 @@ pub fn inspect(
         Some(_) => contradicted(files, &options, &inspection),
         None => {
             let names: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
-            format!(
-                "Next: `poinsot init {}` writes a model for these files.",
-                names.join(",")
-            )
+            let names = names.join(",");
+            format!("Next: `poinsot init {names}` writes a model for these files.")
         }
     };
     Ok(InspectionAnswer {

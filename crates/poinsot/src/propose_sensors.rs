@@ -110,10 +110,8 @@ pub(crate) fn noise(sensor: &SensorChannels<'_>) -> Option<String> {
         _ => None,
     };
     if steps.len() == channels.len() && (share.is_none() || kind.is_scalar()) {
-        return Some(format!(
-            "quantisation_{unit} = {}",
-            rounded(largest, DIGITS)
-        ));
+        let step = rounded(largest, DIGITS);
+        return Some(format!("quantisation_{unit} = {step}"));
     }
     if let Some(share) = share {
         let sum: f64 = sigmas.iter().map(|s| s * s).sum();
@@ -122,17 +120,12 @@ pub(crate) fn noise(sensor: &SensorChannels<'_>) -> Option<String> {
         } else {
             kind.numbers()
         };
-        let angle = share * (sum / numbers as f64).sqrt();
-        return Some(format!(
-            "noise_{unit} = {}   # {error}",
-            rounded(angle, DIGITS)
-        ));
+        let angle = rounded(share * (sum / numbers as f64).sqrt(), DIGITS);
+        return Some(format!("noise_{unit} = {angle}   # {error}"));
     }
     let sigmas: Vec<String> = sigmas.iter().map(|s| rounded(*s, DIGITS)).collect();
-    Some(format!(
-        "noise_{unit} = [{}]   # {error}",
-        sigmas.join(", ")
-    ))
+    let sigmas = sigmas.join(", ");
+    Some(format!("noise_{unit} = [{sigmas}]   # {error}"))
 }
 
 /// Relative error of the estimated noise.

@@ -385,14 +385,11 @@ fn refusal(case: &Case, model: &Model, error: MotionError) -> Error {
     let joint = Tree::new(model).coordinates.get(coordinate).copied();
     let joint = joint.and_then(|k| model.joints.get(k));
     let joint = joint.map_or("", |j| j.name.as_str());
-    Error::one(
-        "E0509",
-        Place::file(case.path()),
-        format!(
-            "joint \"{joint}\" moves by torque or spring, but its outboard bodies have no inertia about its axis (singular mass matrix)"
-        ),
-        "give them mass off the axis or inertia about it, or prescribe its motion with [[joint_motion]]",
-    )
+    let problem = format!(
+        "joint \"{joint}\" moves by torque or spring, but its outboard bodies have no inertia about its axis (singular mass matrix)"
+    );
+    let advice = "give them mass off the axis or inertia about it, or prescribe its motion with [[joint_motion]]";
+    Error::one("E0509", Place::file(case.path()), problem, advice)
 }
 
 /// Joints moved by torques or springs in a case, in model order, with what moves them.

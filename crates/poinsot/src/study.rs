@@ -172,12 +172,9 @@ pub const ALL: &str = "all";
 /// ```
 pub fn run(study: &Study, data: &Path) -> Result<Findings, Error> {
     if !data.join("cases").is_dir() {
-        return Err(Error::usage(
-            "--data",
-            data.display(),
-            "this folder does not have the project's data (no folder 'cases')",
-            "run in the project's folder, or give the path of its folder 'data'",
-        ));
+        let problem = "this folder does not have the project's data (no folder 'cases')";
+        let advice = "run in the project's folder, or give the path of its folder 'data'";
+        return Err(Error::usage("--data", data.display(), problem, advice));
     }
     let context = Context {
         data,

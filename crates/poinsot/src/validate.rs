@@ -262,12 +262,8 @@ fn check(request: &ValidateRequest) -> Result<(), Error> {
     for (option, limit) in limits {
         if let Some(x) = limit.filter(|x| *x < 0.0 || x.is_nan()) {
             let advice = "give a number of at least zero";
-            return Err(Error::usage(
-                option,
-                x,
-                "it is negative or not a number",
-                advice,
-            ));
+            let problem = "it is negative or not a number";
+            return Err(Error::usage(option, x, problem, advice));
         }
     }
     Ok(())

@@ -115,12 +115,9 @@ pub fn check_outputs(
 ) -> Result<(), Error> {
     for output in outputs {
         if inputs.iter().any(|input| is_same_file(output, input)) {
-            return Err(Error::usage(
-                option,
-                output.display(),
-                "this is an input of the command",
-                "name another place",
-            ));
+            let value = output.display();
+            let problem = "this is an input of the command";
+            return Err(Error::usage(option, value, problem, "name another place"));
         }
         check_target(output)?;
     }

@@ -105,15 +105,12 @@ fn refuse_without_reference(model: &Model, table: &Table, label: &str) -> Result
         }
         if columns_of(model, table, k).is_some_and(|c| c.reference.is_none()) {
             let own = |axis| full_name(&sensor.name, &format!("{REFERENCE}_{axis}"));
-            return Err(missing(
-                label,
-                &XYZ.map(own).join(" "),
-                &format!(
-                    "the direction '{}' needs its reference vector in inertial axes",
-                    sensor.name
-                ),
-                "add the columns, or write reference_N = [x, y, z] in its [[sensor]]",
-            ));
+            let purpose = format!(
+                "the direction '{}' needs its reference vector in inertial axes",
+                sensor.name
+            );
+            let advice = "add the columns, or write reference_N = [x, y, z] in its [[sensor]]";
+            return Err(missing(label, &XYZ.map(own).join(" "), &purpose, advice));
         }
     }
     Ok(())
@@ -124,13 +121,11 @@ fn refuse_links_alone(model: &Model, read: &impl Fn(&Sensor) -> bool) -> Result<
     let moves = |s: &&Sensor| matches!(s.kind, SensorKind::Velocity | SensorKind::Position);
     let own = || model.sensors.iter().filter(moves).filter(|s| read(s));
     if let (Some(sensor), false) = (own().next(), own().any(|s| s.body == 0)) {
-        return Err(unsupported(
-            format!(
-                "sensor '{}' is on body '{}', but the fit needs a velocity or position on the base '{}' for its initial state",
-                sensor.name, model.bodies[sensor.body].name, model.bodies[0].name
-            ),
-            "add one there, or remove this sensor",
-        ));
+        let problem = format!(
+            "sensor '{}' is on body '{}', but the fit needs a velocity or position on the base '{}' for its initial state",
+            sensor.name, model.bodies[sensor.body].name, model.bodies[0].name
+        );
+        return Err(unsupported(problem, "add one there, or remove this sensor"));
     }
     Ok(())
 }
@@ -184,14 +179,12 @@ fn refuse_noiseless(sensor: &Sensor, of_its_kind: usize) -> Result<(), Error> {
     if of_its_kind < 2 {
         return Ok(());
     }
-    Err(unsupported(
-        format!(
-            "sensor '{}' declares no noise, and is one of {of_its_kind} of type {}: their weights are undetermined",
-            sensor.name,
-            kind.word()
-        ),
-        "declare its noise",
-    ))
+    let problem = format!(
+        "sensor '{}' declares no noise, and is one of {of_its_kind} of type {}: their weights are undetermined",
+        sensor.name,
+        kind.word()
+    );
+    Err(unsupported(problem, "declare its noise"))
 }
 
 /// Whether any error of a sensor is declared unknown.
@@ -208,14 +201,12 @@ fn refuse_bias_of_frame(model: &Model) -> Result<(), Error> {
         let moves = matches!(kind, SensorKind::Position | SensorKind::Velocity);
         let biased = sensor.bias != Nuisance::Known;
         if moves && biased && model.sensors_of(kind).nth(1).is_none() {
-            return Err(unsupported(
-                format!(
-                    "sensor '{}': a bias of the only sensor of type {} is not identifiable: it equals an offset and drift of N",
-                    sensor.name,
-                    kind.word()
-                ),
-                "take it out",
-            ));
+            let problem = format!(
+                "sensor '{}': a bias of the only sensor of type {} is not identifiable: it equals an offset and drift of N",
+                sensor.name,
+                kind.word()
+            );
+            return Err(unsupported(problem, "take it out"));
         }
     }
     Ok(())
@@ -230,14 +221,11 @@ pub(super) fn needs_attitude(channels: &Channels) -> Result<(), Error> {
     }
     let momentum = &channels.model.momentum;
     let fault = |what: String, advice| {
-        Error::one(
-            "E0307",
-            Place::label(channels.label),
-            format!(
-                "no attitude channel (q_x q_y q_z q_w), but {what} in the axes of N, whose orientation is unknown without it"
-            ),
-            format!("add the attitude, or {advice}"),
-        )
+        let problem = format!(
+            "no attitude channel (q_x q_y q_z q_w), but {what} in the axes of N, whose orientation is unknown without it"
+        );
+        let advice = format!("add the attitude, or {advice}");
+        Error::one("E0307", Place::label(channels.label), problem, advice)
     };
     for (key, known) in [
         ("linear_N_s", momentum.linear),
@@ -290,12 +278,10 @@ pub(super) fn check_plausible(channels: &Channels) -> Result<(), Error> {
             let name = poinsot_telemetry::full_name(&channel.sensor, &channel.name);
             let value = as_read(channel.values.get(at).copied().unwrap_or_default());
             let time_s = channel.time_s.get(at).copied().unwrap_or_default();
-            return Err(Error::one(
-                "E0306",
-                Place::label(channels.label).key(&format!("channel '{name}'")),
-                format!("{value} at t = {time_s} s: {why}"),
-                "correct the unit, or leave the cell empty where there is no sample",
-            ));
+            let place = Place::label(channels.label).key(&format!("channel '{name}'"));
+            let problem = format!("{value} at t = {time_s} s: {why}");
+            let advice = "correct the unit, or leave the cell empty where there is no sample";
+            return Err(Error::one("E0306", place, problem, advice));
         }
     }
     Ok(())

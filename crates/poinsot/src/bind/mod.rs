@@ -209,15 +209,12 @@ fn bind_table(
         }
     }
     if segments.is_empty() {
-        return Err(Error::one(
-            "E0303",
-            Place::label(label),
-            format!(
-                "{} with all required channels at one time, but 2 are required",
-                counted(most, "sample")
-            ),
-            "give a longer record, or files whose times overlap",
-        ));
+        let problem = format!(
+            "{} with all required channels at one time, but 2 are required",
+            counted(most, "sample")
+        );
+        let advice = "give a longer record, or files whose times overlap";
+        return Err(Error::one("E0303", Place::label(label), problem, advice));
     }
     let lost = whole.len() - kept;
     if lost > 0 {

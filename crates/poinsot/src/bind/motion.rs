@@ -273,14 +273,12 @@ fn refuse_orbital(label: &str, r: &VectorChannels) -> Result<(), Error> {
     if distance > ORBITAL {
         let time = r.time_s().first().copied().unwrap_or(0.0);
         let distance = rounded(distance, 4);
-        return Err(Error::one(
-            "E0304",
-            Place::label(label).key("channel 'r'"),
-            format!(
-                "|r| = {distance} m at t = {time} s: absolute orbital coordinates are too large for this precision"
-            ),
-            "write [environment] gravity = \"point_mass\" with gm_m3_s2 to use them relative to free fall",
-        ));
+        let place = Place::label(label).key("channel 'r'");
+        let problem = format!(
+            "|r| = {distance} m at t = {time} s: absolute orbital coordinates are too large for this precision"
+        );
+        let advice = "write [environment] gravity = \"point_mass\" with gm_m3_s2 to use them relative to free fall";
+        return Err(Error::one("E0304", place, problem, advice));
     }
     Ok(())
 }

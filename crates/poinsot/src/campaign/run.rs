@@ -170,12 +170,8 @@ pub fn merge_campaign(
     }
     if let Some(folder) = from.iter().find(|folder| !folder.is_dir()) {
         let what = "there is no such folder of shards".to_owned();
-        return Err(Error::one(
-            "E0603",
-            Place::file(folder),
-            what,
-            "check the path",
-        ));
+        let place = Place::file(folder);
+        return Err(Error::one("E0603", place, what, "check the path"));
     }
     gather(plan, out, from)?;
     let folded = fold_shards(plan, out, plan.trials)?;
@@ -207,12 +203,10 @@ fn run_missing(
     let (all, there) = (wanted.len(), wanted.len() - missing.len());
     // On later passes, existing shards belong to this run.
     if there > 0 && !request.resume && ran.shards == 0 {
-        return Err(Error::one(
-            "E0602",
-            Place::file(&request.out),
-            format!("{there} of {all} shards of this plan exist already"),
-            "use --resume to run the missing ones, or another --out",
-        ));
+        let place = Place::file(&request.out);
+        let problem = format!("{there} of {all} shards of this plan exist already");
+        let advice = "use --resume to run the missing ones, or another --out";
+        return Err(Error::one("E0602", place, problem, advice));
     }
     let damaged = found.into_iter().filter(|m| m.damage.is_some());
     ran.damaged.extend(damaged);
@@ -256,12 +250,10 @@ fn arrived(plan: &Plan, out: &Path, shards: &[u64]) -> Result<(), Error> {
         return Ok(());
     };
     let (many, all) = (missing.len(), shards.len());
-    Err(Error::one(
-        "E0603",
-        Place::file(sums_path(out, &plan.digest, first.number)),
-        format!("{many} of {all} shards that workers have run are not readable here"),
-        "run the campaign again with resume",
-    ))
+    let place = Place::file(sums_path(out, &plan.digest, first.number));
+    let problem = format!("{many} of {all} shards that workers have run are not readable here");
+    let advice = "run the campaign again with resume";
+    Err(Error::one("E0603", place, problem, advice))
 }
 
 fn finish(
@@ -328,12 +320,8 @@ fn gather(plan: &Plan, out: &Path, from: &[PathBuf]) -> Result<(), Error> {
         if let Ok(ours) = find(plan, out, number)? {
             if ours.sums.methods != theirs.sums.methods {
                 let what = format!("shard {number} is there twice with different sums");
-                return Err(Error::one(
-                    "E0603",
-                    Place::file(source),
-                    what,
-                    "remove one of them",
-                ));
+                let place = Place::file(source);
+                return Err(Error::one("E0603", place, what, "remove one of them"));
             }
             continue;
         }

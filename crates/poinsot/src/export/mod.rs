@@ -355,11 +355,9 @@ impl Source<'_> {
             .inputs
             .iter()
             .map(|i| format!("{} (sha256 {})", i.path, i.sha256));
+        let (version, model, method) = (&e.poinsot, &e.model, e.method_in_words());
         let mut lines = vec![format!(
-            "Poinsot {}: {}, {}, {}",
-            e.poinsot,
-            e.model,
-            e.method_in_words(),
+            "Poinsot {version}: {model}, {method}, {}",
             e.status
         )];
         lines.extend(inputs);

@@ -29,12 +29,9 @@ pub fn prediction_paths(folder: &Path, cases: &[PathBuf]) -> Result<Vec<PathBuf>
             _ => folder.join(case.file_stem().unwrap_or_default()).join(NAME),
         };
         if all.contains(&place) {
-            return Err(Error::usage(
-                "CASE",
-                case.display(),
-                "another case has the same file name, and so the same folder below --out",
-                "predict them one by one",
-            ));
+            let problem = "another case has the same file name, and so the same folder below --out";
+            let advice = "predict them one by one";
+            return Err(Error::usage("CASE", case.display(), problem, advice));
         }
         all.push(place);
     }

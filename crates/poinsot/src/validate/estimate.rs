@@ -211,11 +211,8 @@ fn completed(
     });
     let determined: Option<Vec<DeterminedCombination>> = combinations.collect();
     let determined = determined.ok_or_else(|| {
-        cannot_simulate(
-            file,
-            "some of its combinations are withheld, so it cannot predict",
-            "give an estimate from more data",
-        )
+        let problem = "some of its combinations are withheld, so it cannot predict";
+        cannot_simulate(file, problem, "give an estimate from more data")
     })?;
     let rank = read.identifiability.rank;
     let completion = complete(model, &Tree::new(model), &determined, rank);

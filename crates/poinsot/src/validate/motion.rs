@@ -27,12 +27,10 @@ pub(super) fn scenario(case: &Case, mover: &Mover) -> Result<Scenario, Error> {
     let mut scenario = case.bind(&mover.model)?;
     case.check_memory(&mover.model, case.times().count(), COMPARED)?;
     if scenario.plan.control.is_some() {
-        return Err(Error::one(
-            "E0702",
-            Place::file(case.path()),
-            "[control] would command different torques on the two vehicles",
-            "prescribe wheel torques with [[wheel_motion]]",
-        ));
+        let place = Place::file(case.path());
+        let problem = "[control] would command different torques on the two vehicles";
+        let advice = "prescribe wheel torques with [[wheel_motion]]";
+        return Err(Error::one("E0702", place, problem, advice));
     }
     for firing in &mut scenario.plan.firings {
         let factor = mover.thrust_factor.get(firing.thruster);

@@ -57,12 +57,10 @@ pub fn compare_with_telemetry(
         .filter_map(|group| group.compare(&exact, table, case.duration_s))
         .collect();
     if list.is_empty() {
-        return Err(Error::one(
-            "E0703",
-            Place::file(case.path()),
-            "the telemetry has no attitude, rate, position, velocity, acceleration or joint sample during the case",
-            "give telemetry with times from the start of the case",
-        ));
+        let place = Place::file(case.path());
+        let problem = "the telemetry has no attitude, rate, position, velocity, acceleration or joint sample during the case";
+        let advice = "give telemetry with times from the start of the case";
+        return Err(Error::one("E0703", place, problem, advice));
     }
     Ok(list)
 }
