@@ -45,17 +45,15 @@ pub fn run(arguments: &Campaign) -> Outcome {
                 supervised(arguments, &plan, out, processes)?;
             }
             let follow = |so_far: &CampaignFile| print_far(so_far);
-            campaign(
-                &plan,
-                &CampaignRequest {
-                    out: out.to_owned(),
-                    share: arguments.shard,
-                    resume: arguments.resume || arguments.processes.is_some(),
-                    until: arguments.until,
-                    follow: arguments.follow.then_some(&follow),
-                    ..CampaignRequest::default()
-                },
-            )?
+            let request = CampaignRequest {
+                out: out.to_owned(),
+                share: arguments.shard,
+                resume: arguments.resume || arguments.processes.is_some(),
+                until: arguments.until,
+                follow: arguments.follow.then_some(&follow),
+                ..CampaignRequest::default()
+            };
+            campaign(&plan, &request)?
         }
     };
     shown(arguments.print.json, arguments.print.quiet, &ran)

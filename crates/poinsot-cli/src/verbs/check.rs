@@ -6,10 +6,7 @@ use poinsot::check::check;
 
 pub fn run(arguments: &Check) -> Outcome {
     let found = check(&arguments.file)?;
-    shown(
-        &arguments.print,
-        || print_json(&found),
-        || print(&format!("{}\n", found.content)),
-    );
+    let text = || print(&format!("{}\n", found.content));
+    shown(&arguments.print, || print_json(&found), text);
     Ok(0)
 }

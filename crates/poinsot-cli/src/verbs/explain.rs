@@ -20,10 +20,7 @@ pub fn run(arguments: &Explain) -> Outcome {
             }
         }
     };
-    shown(
-        &arguments.print,
-        || print_json(&codes_file(codes.clone())),
-        text,
-    );
+    let json = || print_json(&codes_file(codes.clone()));
+    shown(&arguments.print, json, text);
     Ok(0)
 }

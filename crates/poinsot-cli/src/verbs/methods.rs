@@ -15,14 +15,11 @@ pub fn run(arguments: &Methods) -> Outcome {
             return Err(poinsot::Error::usage("methods", name, problem, advice));
         }
     }
-    shown(
-        &arguments.print,
-        || print_json(&methods_file(listed.clone())),
-        || {
-            let texts: Vec<String> = listed.iter().map(text).collect();
-            print(&texts.join("\n"));
-        },
-    );
+    let json = || print_json(&methods_file(listed.clone()));
+    shown(&arguments.print, json, || {
+        let texts: Vec<String> = listed.iter().map(text).collect();
+        print(&texts.join("\n"));
+    });
     Ok(0)
 }
 

@@ -53,11 +53,8 @@ pub fn run(arguments: &Study) -> Outcome {
 
 fn list(arguments: &Study) {
     let all = studies_file(arguments.paper.as_deref());
-    shown(
-        &arguments.print,
-        || print_json(&all),
-        || print(&listed(&all)),
-    );
+    let text = || print(&listed(&all));
+    shown(&arguments.print, || print_json(&all), text);
 }
 
 fn listed(all: &StudiesFile) -> String {

@@ -24,14 +24,12 @@ pub fn run(arguments: &Sweep) -> Outcome {
         Some(out) => {
             let results = ["campaign.json", "campaign.html"].map(|n| out.join(n));
             check_outputs("--out", &results, &[&arguments.case])?;
-            campaign(
-                &plan,
-                &CampaignRequest {
-                    out: out.clone(),
-                    resume: arguments.resume,
-                    ..CampaignRequest::default()
-                },
-            )?
+            let request = CampaignRequest {
+                out: out.clone(),
+                resume: arguments.resume,
+                ..CampaignRequest::default()
+            };
+            campaign(&plan, &request)?
         }
         None => campaign_in_memory(&plan)?,
     };
