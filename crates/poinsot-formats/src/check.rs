@@ -78,19 +78,13 @@ fn evidence(file: &EstimateFile, say: &mut impl FnMut(String, String, &str)) {
     for (k, row) in rows.iter().enumerate() {
         if !EFFECTS.contains(&row.effect.as_str()) {
             let problem = format!("the effect is none of {}", EFFECTS.join(", "));
-            say(
-                format!("evidence[{k}].effect"),
-                quoted(&row.effect),
-                &problem,
-            );
+            let key = format!("evidence[{k}].effect");
+            say(key, quoted(&row.effect), &problem);
         }
         if row.p.is_some_and(|p| !(0.0..=1.0).contains(&p)) {
             let value = row.p.map_or(String::new(), |p| p.to_string());
-            say(
-                format!("evidence[{k}].p"),
-                value,
-                "a p-value is from 0 to 1",
-            );
+            let key = format!("evidence[{k}].p");
+            say(key, value, "a p-value is from 0 to 1");
         }
     }
     if rows.is_empty() {
@@ -112,12 +106,9 @@ fn evidence(file: &EstimateFile, say: &mut impl FnMut(String, String, &str)) {
         say("status".to_owned(), quoted(&file.status), problem);
     }
     if file.covariance_trustworthy && rows.iter().any(|row| row.is_against_answer()) {
+        let key = "covariance_trustworthy".to_owned();
         let problem = "a row of evidence is against the answer";
-        say(
-            "covariance_trustworthy".to_owned(),
-            "true".to_owned(),
-            problem,
-        );
+        say(key, "true".to_owned(), problem);
     }
 }
 
@@ -138,11 +129,8 @@ fn size(key: &str, number: &NumberFile, say: &mut impl FnMut(String, String, &st
     let parts = [("value", number.value), ("sigma", number.sigma)];
     for (part, x) in parts.into_iter().chain([("nominal", Some(number.nominal))]) {
         if x.is_some_and(|x| x.abs() > LARGEST) {
-            say(
-                format!("{key}.{part}"),
-                text(x),
-                "no vehicle has such a number",
-            );
+            let key = format!("{key}.{part}");
+            say(key, text(x), "no vehicle has such a number");
         }
     }
 }
