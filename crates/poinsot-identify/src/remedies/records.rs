@@ -33,6 +33,7 @@ impl Baseline<'_> {
     /// Records with a sensor, a thrust, a momentum or a motion that is missing; `None` without a record to start
     /// from.
     pub fn records(&self) -> Option<Vec<Change>> {
+        use Effort::{Equipment, Manoeuvre};
         let from = self.problem.segments.first()?;
         let (base, share) = thinned(from, self.measured_motion, self.problem.noise)?;
         let trial = Trial {
@@ -55,33 +56,17 @@ impl Baseline<'_> {
         };
         let model = self.problem.model;
         let actuated = !model.wheels.is_empty() || !trial.thrusters.is_empty();
-        let turn = if actuated {
-            Effort::Manoeuvre
-        } else {
-            Effort::Equipment
-        };
-        self.turns(&trial, &mut |text, trial| add(turn, text, trial));
-        self.joints(&trial, &mut |text, trial| {
-            add(Effort::Manoeuvre, text, trial)
-        });
+        let by = |there: bool| if there { Manoeuvre } else { Equipment };
+        self.turns(&trial, &mut |text, trial| add(by(actuated), text, trial));
+        self.joints(&trial, &mut |text, trial| add(Manoeuvre, text, trial));
         self.sensors(&trial, share, &mut |text, trial| {
-            add(Effort::Equipment, text, trial)
+            add(Equipment, text, trial)
         });
-        self.pushes(&trial, &mut |own, text, trial| {
-            let effort = if own {
-                Effort::Manoeuvre
-            } else {
-                Effort::Equipment
-            };
-            add(effort, text, trial);
-        });
+        self.pushes(&trial, &mut |own, text, trial| add(by(own), text, trial));
         let mut known = trial;
         known.known_momentum = true;
-        add(
-            Effort::Equipment,
-            "measure the angular momentum at the start of a record".to_owned(),
-            &known,
-        );
+        let text = "measure the angular momentum at the start of a record";
+        add(Equipment, text.to_owned(), &known);
         Some(list)
     }
 
@@ -91,12 +76,8 @@ impl Baseline<'_> {
         let joints = &trial.segment.observations.joint_position;
         let kinematics = Kinematics::at(tree, joints.get(..tree.dof()).unwrap_or(&[]));
         let I = composite(&self.parameters.bodies(&self.x), &kinematics).I_SScm_B();
-        let fastest = self.problem.segments[0]
-            .samples
-            .w_NB_B
-            .iter()
-            .map(|w| w.norm())
-            .fold(RATE, f64::max);
+        let fastest = self.problem.segments[0].samples.w_NB_B.iter();
+        let fastest = fastest.map(|w| w.norm()).fold(RATE, f64::max);
         for axis in 0..3 {
             let mut w = Vector3::zeros();
             w[axis] = fastest;
@@ -152,10 +133,8 @@ impl Baseline<'_> {
             let o = &mut with.segment.observations;
             let sigma = VELOCITY * share.sqrt();
             o.sensors.push(tried(SensorKind::Velocity, samples, sigma));
-            add(
-                format!("add a velocity sensor of {VELOCITY} m/s, as fast as the gyro"),
-                &with,
-            );
+            let text = format!("add a velocity sensor of {VELOCITY} m/s, as fast as the gyro");
+            add(text, &with);
         }
         if !self.problem.sees_points() {
             let mut with = trial.clone();
@@ -163,12 +142,10 @@ impl Baseline<'_> {
             let sigma = ACCELERATION * share.sqrt();
             o.sensors
                 .push(tried(SensorKind::Accelerometer, samples, sigma));
-            add(
-                format!(
-                    "add an accelerometer of {ACCELERATION:.0e} m/s2 at the origin of the base, as fast as the gyro"
-                ),
-                &with,
+            let text = format!(
+                "add an accelerometer of {ACCELERATION:.0e} m/s2 at the origin of the base, as fast as the gyro"
             );
+            add(text, &with);
         }
     }
 
@@ -201,12 +178,8 @@ impl Baseline<'_> {
             let firings = self.problem.segments.iter().flat_map(|s| &s.firings);
             firings.into_iter().any(|f| f.thruster == k)
         };
-        for (k, thruster) in trial
-            .thrusters
-            .iter()
-            .enumerate()
-            .filter(|(k, _)| !fires(*k))
-        {
+        let thrusters = trial.thrusters.iter().enumerate();
+        for (k, thruster) in thrusters.filter(|(k, _)| !fires(*k)) {
             push(k, trial, format!("fire {}", thruster.name));
         }
         let model = self.problem.model;
@@ -221,11 +194,9 @@ impl Baseline<'_> {
                 scale: Default::default(),
                 propellant: None,
             });
-            push(
-                0,
-                &with,
-                format!("apply a force to the base along y, {arm} m from its origin along x"),
-            );
+            let text =
+                format!("apply a force to the base along y, {arm} m from its origin along x");
+            push(0, &with, text);
         }
     }
 
@@ -241,11 +212,8 @@ impl Baseline<'_> {
             angular: !trial.known_momentum,
             internal: self.problem.internal_states(),
         };
-        let late = self
-            .parameters
-            .unknowns
-            .iter()
-            .any(|u| u.kind.delays_inputs());
+        let mut unknowns = self.parameters.unknowns.iter();
+        let late = unknowns.any(|u| u.kind.delays_inputs());
         // A separate record, without the others.
         let index = self.problem.segments.len();
         let mut curves = vec![InputCurves::default(); index];
