@@ -26,6 +26,8 @@ const ZERO_STEP: f64 = PI / 12.0;
 /// Shares of a typical pulse by which all may be longer or shorter.
 const PULSES: [f64; 6] = [-0.3, -0.1, -0.03, 0.03, 0.1, 0.3];
 
+/// Factors that put units right that are a thousand apart.
+const THOUSANDS: [f64; 2] = [1.0e3, 1.0e-3];
 /// Steps between samples by which their times may be late.
 const STEPS: [f64; 6] = [1.0, 2.0, 3.0, 4.0, 6.0, 8.0];
 
@@ -124,6 +126,11 @@ pub(super) fn all(experiment: &Experiment) -> Vec<Vec<Convention>> {
     }
     let factor = |of: &[Convention], x: f64| rows(of, &[Change::Factor(x)], fixed);
     let mut all = vec![factor(&thrusters, 0.0), factor(&thrusters, -1.0), exchanged];
+    if !thrusters.is_empty() {
+        let every = Place::Thrusters((0..experiment.thrusters.len()).collect());
+        let every = [Convention::as_declared(every, "all thrusters".to_owned())];
+        all.push(rows(&every, &THOUSANDS.map(Change::Factor), fixed));
+    }
     let factors = [-1.0].into_iter().chain(UNIT_FACTORS);
     all.extend(factors.map(|x| factor(&wheels, x)));
     all.extend(pulses(experiment));
@@ -234,8 +241,8 @@ const ALONE: [(SensorKind, SensorKind, [f64; 2]); 3] = [
         SensorKind::Attitude,
         [UNIT_FACTORS[0], UNIT_FACTORS[1]],
     ),
-    (SensorKind::Velocity, SensorKind::Position, [1.0e3, 1.0e-3]),
-    (SensorKind::Position, SensorKind::Velocity, [1.0e3, 1.0e-3]),
+    (SensorKind::Velocity, SensorKind::Position, THOUSANDS),
+    (SensorKind::Position, SensorKind::Velocity, THOUSANDS),
 ];
 
 /// Axes and units of sensors that are alone.
@@ -322,9 +329,10 @@ impl Convention {
         let owner = &self.owner;
         match (&self.place, self.change) {
             (Place::Thrusters(_), Change::Factor(0.0)) => (Thrust, format!("no force of {owner}")),
-            (Place::Thrusters(_), Change::Factor(_)) => {
+            (Place::Thrusters(_), Change::Factor(-1.0)) => {
                 (Thrust, format!("a wrong direction of {owner}"))
             }
+            (Place::Thrusters(_), Change::Factor(x)) => mistake(owner, "N", x),
             (Place::Thrusters(_), _) => (Thrust, format!("exchanged columns of {owner}")),
             (_, Change::ClosesLate(x)) => {
                 let off = if x < 0.0 { "shorter" } else { "longer" };

@@ -445,7 +445,7 @@ pub fn generated(model: &Model, table: &Table) -> Vec<Row> {
             _ if owners.is_empty() => {}
             "thrusters" => {
                 let factor = each(&all.channels, |f| 1.0e3 * f);
-                rows.push(Row::new("mN", "thrusters", &["thousand"], factor));
+                rows.push(Row::new("mN", "thrusters", &["thousand|mN"], factor));
                 rows.push(Row::new(
                     "late",
                     name,
