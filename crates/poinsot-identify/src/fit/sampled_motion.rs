@@ -15,13 +15,13 @@
 use crate::fit::part_of_record::picked;
 use crate::problem::error_process::{ErrorProcess, ErrorStep};
 use crate::problem::segment::RateParts;
-use nalgebra::{Dim, Matrix, Matrix3, Matrix4, StorageMut, U4, Vector4};
+use nalgebra::{Const, Dim, Matrix, Matrix3, SMatrix, SVector, StorageMut};
 
-/// Components of the state.
+/// Components of the state. The acceleration is one where it changes all along, and a rounding error, the last one, where samples are
+/// rounded: two to four numbers.
 const VALUE: usize = 0;
 const SLOPE: usize = 1;
 const ACCELERATION: usize = 2;
-const ROUNDING: usize = 3;
 /// How much wider than the samples and changes say the value and slope of a wheel are before them.
 const DIFFUSE: f64 = 1.0e3;
 /// The same of the motion of a joint, relative to the range of its samples.
@@ -89,11 +89,15 @@ impl InputSample {
     }
 
     /// The row that it reads of the state, and what it reads beyond the level.
-    fn of_state(&self, level: f64) -> (Vector4<f64>, f64) {
-        match self.of_slope {
-            true => (Vector4::new(0.0, 1.0, 0.0, 0.0), self.value),
-            false => (Vector4::new(1.0, 0.0, 0.0, 1.0), self.value - level),
+    fn of_state<const N: usize>(&self, level: f64, rounded: bool) -> (SVector<f64, N>, f64) {
+        if self.of_slope {
+            return (unit(SLOPE), self.value);
         }
+        let mut row: SVector<f64, N> = unit(VALUE);
+        if rounded {
+            row[N - 1] = 1.0;
+        }
+        (row, self.value - level)
     }
 
     /// Variance of its noise.
@@ -140,10 +144,10 @@ pub(crate) struct InputMean {
 }
 
 impl InputMean {
-    fn push(&mut self, level: f64, x: &Vector4<f64>, squares: f64) {
-        self.value.push(level + x[VALUE]);
-        self.slope.push(x[SLOPE]);
-        self.acceleration.push(x[ACCELERATION]);
+    fn push(&mut self, [value, slope, acceleration]: [f64; 3], squares: f64) {
+        self.value.push(value);
+        self.slope.push(slope);
+        self.acceleration.push(acceleration);
         self.squares.push(squares);
     }
 
@@ -154,24 +158,23 @@ impl InputMean {
 }
 
 /// What later samples hold of the state: -2 ln of their density is `x^T L x - 2 eta^T x` and a constant.
-#[derive(Default)]
-struct Information {
-    L: Matrix4<f64>,
-    eta: Vector4<f64>,
+struct Information<const N: usize> {
+    L: SMatrix<f64, N, N>,
+    eta: SVector<f64, N>,
     /// Logarithm of the determinant, less that of a factor.
     log_det: f64,
     factor: f64,
 }
 
-impl Information {
-    fn take(&mut self, sample: &InputSample, level: f64) {
-        let (h, value) = sample.of_state(level);
+impl<const N: usize> Information<N> {
+    fn take(&mut self, sample: &InputSample, level: f64, rounded: bool) {
+        let (h, value) = sample.of_state::<N>(level, rounded);
         self.L += h * h.transpose() / sample.white;
         self.eta += h * (value / sample.white);
     }
 
     /// Goes back over a normal change along a direction with this variance: what the later samples make of it.
-    fn before_change(&mut self, along: &Vector4<f64>, variance: f64) -> Change {
+    fn before_change(&mut self, along: &SVector<f64, N>, variance: f64) -> Change<N> {
         let held = self.L * along;
         let unit = 1.0 + variance * along.dot(&held);
         let own = variance / unit;
@@ -192,58 +195,77 @@ impl Information {
     }
 
     /// Goes back over an interval without a change.
-    fn before_line(&mut self, h: f64) {
-        let (far, near) = (0.5 * h * h, h);
-        self.eta[ACCELERATION] += far * self.eta[VALUE] + near * self.eta[SLOPE];
-        self.eta[SLOPE] += near * self.eta[VALUE];
-        for i in 0..4 {
-            self.L[(i, ACCELERATION)] += far * self.L[(i, VALUE)] + near * self.L[(i, SLOPE)];
-            self.L[(i, SLOPE)] += near * self.L[(i, VALUE)];
-        }
-        for j in 0..4 {
-            self.L[(ACCELERATION, j)] += far * self.L[(VALUE, j)] + near * self.L[(SLOPE, j)];
-            self.L[(SLOPE, j)] += near * self.L[(VALUE, j)];
-        }
+    fn before_line(&mut self, h: f64, all_along: bool) {
+        back_over_line(h, all_along, &mut self.eta);
+        back_over_line(h, all_along, &mut self.L);
+        self.L.transpose_mut();
+        back_over_line(h, all_along, &mut self.L);
     }
 
     /// Goes back over a rounding error of which this share stays.
     fn before_fading(&mut self, memory: f64) {
-        self.eta[ROUNDING] *= memory;
-        self.L.row_mut(ROUNDING).scale_mut(memory);
-        self.L.column_mut(ROUNDING).scale_mut(memory);
+        self.eta[N - 1] *= memory;
+        fade(&mut self.L, memory);
     }
 }
 
+/// What rounding errors share with other components, where this share of them stays.
+fn fade<const N: usize>(of: &mut SMatrix<f64, N, N>, memory: f64) {
+    of.row_mut(N - 1).scale_mut(memory);
+    of.column_mut(N - 1).scale_mut(memory);
+}
+
 /// Takes states over an interval without a change, one in each column.
-fn over_line<C: Dim, S: StorageMut<f64, U4, C>>(h: f64, x: &mut Matrix<f64, U4, C, S>) {
+fn over_line<const N: usize, C: Dim, S: StorageMut<f64, Const<N>, C>>(
+    h: f64,
+    all_along: bool,
+    x: &mut Matrix<f64, Const<N>, C, S>,
+) {
     for mut x in x.column_iter_mut() {
-        x[VALUE] += h * x[SLOPE] + 0.5 * h * h * x[ACCELERATION];
-        x[SLOPE] += h * x[ACCELERATION];
+        x[VALUE] += h * x[SLOPE];
+        if all_along {
+            x[VALUE] += 0.5 * h * h * x[ACCELERATION];
+            x[SLOPE] += h * x[ACCELERATION];
+        }
+    }
+}
+
+/// Takes what is held of states back over it.
+fn back_over_line<const N: usize, C: Dim, S: StorageMut<f64, Const<N>, C>>(
+    h: f64,
+    all_along: bool,
+    held: &mut Matrix<f64, Const<N>, C, S>,
+) {
+    for mut x in held.column_iter_mut() {
+        if all_along {
+            x[ACCELERATION] += 0.5 * h * h * x[VALUE] + h * x[SLOPE];
+        }
+        x[SLOPE] += h * x[VALUE];
     }
 }
 
 /// A change along a direction of the state, given the state before it: normal about `mean + follows . x`.
-struct Change {
+struct Change<const N: usize> {
     own: f64,
     mean: f64,
-    follows: Vector4<f64>,
+    follows: SVector<f64, N>,
 }
 
-impl Change {
+impl<const N: usize> Change<N> {
     /// The mean change; the state goes with it.
-    fn along(&self, direction: &Vector4<f64>, x: &mut Vector4<f64>) -> f64 {
+    fn along(&self, direction: &SVector<f64, N>, x: &mut SVector<f64, N>) -> f64 {
         let change = self.mean + self.follows.dot(x);
         *x += direction * change;
         change
     }
 
     /// What follows the state, of a covariance with an earlier one.
-    fn follow(&self, direction: &Vector4<f64>, with_earlier: &mut Matrix4<f64>) {
+    fn follow(&self, direction: &SVector<f64, N>, with_earlier: &mut SMatrix<f64, N, N>) {
         *with_earlier += direction * with_earlier.tr_mul(&self.follows).transpose();
     }
 
     /// The covariance of the state after it; the variance of the change.
-    fn spread(&self, direction: &Vector4<f64>, P: &mut Matrix4<f64>) -> f64 {
+    fn spread(&self, direction: &SVector<f64, N>, P: &mut SMatrix<f64, N, N>) -> f64 {
         let with_state = *P * self.follows;
         let variance = self.own + self.follows.dot(&with_state);
         let cross = direction * with_state.transpose();
@@ -254,90 +276,111 @@ impl Change {
 
 /// Directions of the changes at the end of an interval, in the order of time: one of the slope, or three with the covariance of
 /// white noise of the third derivative.
-fn directions(count: usize, h: f64) -> [Vector4<f64>; 3] {
-    let slope = Vector4::new(0.0, 1.0, 0.0, 0.0);
-    let of = |value: f64, slope: f64, own: f64| Vector4::new(value, slope, own, 0.0);
-    match count {
-        1 => [slope; 3],
-        _ => [
-            of(h * h / 720.0_f64.sqrt(), 0.0, 0.0),
-            of(h * h / 48.0_f64.sqrt(), h / 12.0_f64.sqrt(), 0.0),
-            of(h * h / 6.0, 0.5 * h, 1.0),
-        ],
+fn directions<const N: usize>(all_along: bool, h: f64) -> [SVector<f64, N>; 3] {
+    if !all_along {
+        return [unit(SLOPE); 3];
     }
+    let of = |value: f64, slope: f64, own: f64| {
+        let all = [value, slope, own];
+        SVector::from_fn(|i, _| all.get(i).copied().unwrap_or(0.0))
+    };
+    [
+        of(h * h / 720.0_f64.sqrt(), 0.0, 0.0),
+        of(h * h / 48.0_f64.sqrt(), h / 12.0_f64.sqrt(), 0.0),
+        of(h * h / 6.0, 0.5 * h, 1.0),
+    ]
 }
 
 /// A product of determinants of which the logarithm is taken.
 const LARGE: f64 = 1.0e100;
-/// The direction of a rounding error.
-const ROUNDS: Vector4<f64> = Vector4::new(0.0, 0.0, 0.0, 1.0);
 
-/// The way from the first state on, from one grid time to the next.
-struct Path {
-    /// Lengths of the intervals.
-    h: Vec<f64>,
-    /// So many at the end of each interval, in the order of time.
-    changes: Vec<Change>,
-    count: usize,
-    /// What stays and is new of the rounding error at the end of each interval with a sample; empty where nothing is rounded.
-    rounding: Vec<Option<(f64, Change)>>,
+/// The direction of a component.
+fn unit<const N: usize>(i: usize) -> SVector<f64, N> {
+    SVector::from_fn(|k, _| if k == i { 1.0 } else { 0.0 })
 }
 
-impl Path {
+/// The way from the first state on, from one grid time to the next.
+struct Path<const N: usize> {
+    /// Lengths of the intervals.
+    h: Vec<f64>,
+    /// At the end of each interval, in the order of time: three where the acceleration changes all along, else one.
+    changes: Vec<Change<N>>,
+    all_along: bool,
+    /// What stays and is new of the rounding error at the end of each interval with a sample; empty where nothing is rounded.
+    rounding: Vec<Option<(f64, Change<N>)>>,
+}
+
+impl<const N: usize> Path<N> {
     /// The mean state at the end of an interval; the sum of squares of the mean changes, and the mean change of the rounding error.
-    fn along(&self, k: usize, x: &mut Vector4<f64>) -> [f64; 2] {
-        over_line(self.h[k], x);
+    fn along(&self, k: usize, x: &mut SVector<f64, N>) -> [f64; 2] {
+        over_line(self.h[k], self.all_along, x);
         let mut squares = 0.0;
         for (change, direction) in self.changes(k) {
             squares += change.along(&direction, x).powi(2);
         }
         let rounding = self.rounding(k).map(|(memory, change)| {
-            x[ROUNDING] *= memory;
-            change.along(&ROUNDS, x)
+            x[N - 1] *= memory;
+            change.along(&unit(N - 1), x)
         });
         [squares, rounding.unwrap_or(0.0)]
     }
 
     /// From the covariance at its start: that of both ends, at its end, and the variance of all changes.
-    fn spread(&self, k: usize, P: &Matrix4<f64>) -> (Matrix4<f64>, Matrix4<f64>, f64) {
+    fn spread(&self, k: usize, P: &SMatrix<f64, N, N>) -> Spread<N> {
         let mut together = *P;
-        over_line(self.h[k], &mut together);
+        over_line(self.h[k], self.all_along, &mut together);
         let mut after = together.transpose();
-        over_line(self.h[k], &mut after);
+        over_line(self.h[k], self.all_along, &mut after);
         let mut variance = 0.0;
         for (change, direction) in self.changes(k) {
             change.follow(&direction, &mut together);
             variance += change.spread(&direction, &mut after);
         }
         if let Some((memory, change)) = self.rounding(k) {
-            together.row_mut(ROUNDING).scale_mut(*memory);
-            after.row_mut(ROUNDING).scale_mut(*memory);
-            after.column_mut(ROUNDING).scale_mut(*memory);
-            change.follow(&ROUNDS, &mut together);
-            change.spread(&ROUNDS, &mut after);
+            together.row_mut(N - 1).scale_mut(*memory);
+            fade(&mut after, *memory);
+            change.follow(&unit(N - 1), &mut together);
+            change.spread(&unit(N - 1), &mut after);
         }
-        (together, after, variance)
+        Spread {
+            together,
+            after,
+            variance,
+        }
     }
 
-    fn changes(&self, k: usize) -> impl Iterator<Item = (&Change, Vector4<f64>)> {
-        let own = &self.changes[self.count * k..self.count * (k + 1)];
-        own.iter().zip(directions(self.count, self.h[k]))
+    fn changes(&self, k: usize) -> impl Iterator<Item = (&Change<N>, SVector<f64, N>)> {
+        let count = changes_of(self.all_along);
+        let own = &self.changes[count * k..count * (k + 1)];
+        own.iter().zip(directions(self.all_along, self.h[k]))
     }
 
-    fn rounding(&self, k: usize) -> Option<&(f64, Change)> {
+    fn rounding(&self, k: usize) -> Option<&(f64, Change<N>)> {
         self.rounding.get(k)?.as_ref()
     }
 }
 
+/// How many changes an interval has.
+fn changes_of(all_along: bool) -> usize {
+    if all_along { 3 } else { 1 }
+}
+
+/// Covariances over an interval: of both ends, and at its end; and the variance of all changes.
+struct Spread<const N: usize> {
+    together: SMatrix<f64, N, N>,
+    after: SMatrix<f64, N, N>,
+    variance: f64,
+}
+
 /// The state at the first grid time, and the way from there.
-struct Start {
+struct Start<const N: usize> {
     level: f64,
-    mean: Vector4<f64>,
-    covariance: Matrix4<f64>,
-    path: Path,
+    mean: SVector<f64, N>,
+    covariance: SMatrix<f64, N, N>,
+    path: Path<N>,
     log_det: f64,
     /// Standard deviations before the samples.
-    sigmas: Vector4<f64>,
+    sigmas: SVector<f64, N>,
 }
 
 impl InputSamples<'_> {
@@ -348,12 +391,12 @@ impl InputSamples<'_> {
     }
 
     /// The start with the standard deviation of a plain change at each grid time; `None` without samples.
-    fn start(&self, sizes: &[f64]) -> Option<Start> {
+    fn start<const N: usize>(&self, sizes: &[f64]) -> Option<Start<N>> {
         let level = self.samples.iter().find(|s| !s.of_slope)?.value;
         let (held, path) = self.backward(sizes, level);
         let sigmas = self.before_samples(sizes)?;
-        let D = Matrix4::from_diagonal(&sigmas);
-        let unit = (Matrix4::identity() + D * held.L * D).cholesky()?;
+        let D = SMatrix::from_diagonal(&sigmas);
+        let unit = (SMatrix::<f64, N, N>::identity() + D * held.L * D).cholesky()?;
         let covariance = D * unit.inverse() * D;
         let mean = covariance * held.eta;
         Some(Start {
@@ -367,31 +410,50 @@ impl InputSamples<'_> {
     }
 
     /// Standard deviations of the first state before the samples.
-    fn before_samples(&self, sizes: &[f64]) -> Option<Vector4<f64>> {
+    fn before_samples<const N: usize>(&self, sizes: &[f64]) -> Option<SVector<f64, N>> {
         let span = self.time_s.last()? - self.time_s.first()?;
         let first = self.samples.iter().take_while(|s| s.at == 0);
         let rounding = first.map(|s| s.rounding).sum::<f64>().sqrt();
         if !self.all_along {
             let largest = sizes.iter().fold(0.0, |a: f64, b| a.max(*b));
             let wide = DIFFUSE * (self.noise()? + largest * span);
-            return Some(Vector4::new(wide, wide / span, 0.0, rounding));
+            let all = [wide, wide / span];
+            return Some(SVector::from_fn(|i, _| {
+                all.get(i).copied().unwrap_or(rounding)
+            }));
         }
         let values = self.samples.iter().filter(|s| !s.of_slope);
         let values: Vec<f64> = values.map(|s| s.value).collect();
         let [least, most] = [f64::min, f64::max].map(|of| values.iter().copied().reduce(of));
         let wide = RANGES * (self.noise()? + most? - least?);
         let rate = values.len() as f64 / span;
-        Some(Vector4::new(
-            wide,
-            wide * rate,
-            wide * rate * rate,
-            rounding,
-        ))
+        let all = [wide, wide * rate, wide * rate * rate];
+        Some(SVector::from_fn(|i, _| {
+            all.get(i).copied().unwrap_or(rounding)
+        }))
     }
 
     /// The posterior with the standard deviation of a plain change at each grid time; `None` without samples.
     pub fn posterior(&self, sizes: &[f64]) -> Option<InputPosterior> {
-        let start = self.start(sizes)?;
+        match self.numbers() {
+            2 => self.posterior_of::<2>(sizes),
+            3 => self.posterior_of::<3>(sizes),
+            _ => self.posterior_of::<4>(sizes),
+        }
+    }
+
+    /// Numbers of the state.
+    fn numbers(&self) -> usize {
+        2 + usize::from(self.all_along) + usize::from(self.is_rounded())
+    }
+
+    fn is_rounded(&self) -> bool {
+        self.samples.iter().any(|s| s.rounding > 0.0)
+    }
+
+    fn posterior_of<const N: usize>(&self, sizes: &[f64]) -> Option<InputPosterior> {
+        let start = self.start::<N>(sizes)?;
+        let motion = |P: &SMatrix<f64, N, N>| start.motion(P);
         let mut errors = ErrorProcess::new(motion(&start.covariance), []);
         let mean = start.forward(|covariances| {
             errors.push(&ErrorStep::between(covariances.map(motion)));
@@ -405,31 +467,36 @@ impl InputSamples<'_> {
 
     /// Its mean.
     fn mean(&self, sizes: &[f64]) -> Option<InputMean> {
-        Some(self.start(sizes)?.forward(|_| ()))
+        Some(match self.numbers() {
+            2 => self.start::<2>(sizes)?.forward(|_| ()),
+            3 => self.start::<3>(sizes)?.forward(|_| ()),
+            _ => self.start::<4>(sizes)?.forward(|_| ()),
+        })
     }
 
     /// What all samples hold of the first state, and the way back to it.
-    fn backward(&self, sizes: &[f64], level: f64) -> (Information, Path) {
+    fn backward<const N: usize>(&self, sizes: &[f64], level: f64) -> (Information<N>, Path<N>) {
         let n = self.time_s.len();
-        let count = if self.all_along { 3 } else { 1 };
-        let rounded = self.samples.iter().any(|s| s.rounding > 0.0);
+        let (count, rounded) = (changes_of(self.all_along), self.is_rounded());
         let mut samples = self.samples.iter().rev().peekable();
         let mut held = Information {
+            L: SMatrix::zeros(),
+            eta: SVector::zeros(),
+            log_det: 0.0,
             factor: 1.0,
-            ..Information::default()
         };
         let mut path = Path {
             h: self.time_s.windows(2).map(|w| w[1] - w[0]).collect(),
             changes: Vec::with_capacity(count * (n - 1)),
-            count,
+            all_along: self.all_along,
             rounding: Vec::new(),
         };
         for k in (1..n).rev() {
             let mut rounding = None;
             while let Some(sample) = samples.next_if(|s| s.at == k) {
-                held.take(sample, level);
+                held.take(sample, level, rounded);
                 if rounded && !sample.of_slope {
-                    let change = held.before_change(&ROUNDS, sample.fresh());
+                    let change = held.before_change(&unit(N - 1), sample.fresh());
                     held.before_fading(sample.memory);
                     rounding = Some((sample.memory, change));
                 }
@@ -439,12 +506,12 @@ impl InputSamples<'_> {
             }
             let h = path.h[k - 1];
             let variance = (sizes[k] * self.changes[k]).powi(2);
-            for direction in directions(count, h)[..count].iter().rev() {
+            for direction in directions(self.all_along, h)[..count].iter().rev() {
                 path.changes.push(held.before_change(direction, variance));
             }
-            held.before_line(h);
+            held.before_line(h, self.all_along);
         }
-        samples.for_each(|sample| held.take(sample, level));
+        samples.for_each(|sample| held.take(sample, level, rounded));
         path.changes.reverse();
         path.rounding.reverse();
         (held, path)
@@ -452,15 +519,15 @@ impl InputSamples<'_> {
 
     /// -2 ln of the probability density of the samples, less a constant: the determinants, and the squares of samples, changes and start
     /// along the mean motion, each over its variance.
-    fn deviance(&self, start: &Start, sizes: &[f64]) -> f64 {
-        let mut x = start.mean;
+    fn deviance<const N: usize>(&self, start: &Start<N>, sizes: &[f64]) -> f64 {
+        let (mut x, rounded) = (start.mean, self.is_rounded());
         let over = |square: f64, variance: f64| match variance > 0.0 {
             true => square / variance,
             false => 0.0,
         };
         let mut samples = self.samples.iter().peekable();
         let mut sum = start.log_det;
-        for j in 0..4 {
+        for j in 0..N {
             sum += over(x[j].powi(2), start.sigmas[j].powi(2));
         }
         for (k, size) in sizes.iter().enumerate() {
@@ -471,7 +538,7 @@ impl InputSamples<'_> {
                 sum += over(squares, (size * self.changes[k]).powi(2));
             }
             while let Some(sample) = samples.next_if(|s| s.at == k) {
-                let (h, value) = sample.of_state(start.level);
+                let (h, value) = sample.of_state::<N>(start.level, rounded);
                 sum += over(rounding.powi(2), sample.fresh());
                 sum += over((value - h.dot(&x)).powi(2), sample.white);
             }
@@ -486,6 +553,14 @@ impl InputSamples<'_> {
 
     /// The size of normal changes that the samples make most probable.
     fn most_probable_size(&self) -> Option<f64> {
+        match self.numbers() {
+            2 => self.most_probable_size_of::<2>(),
+            3 => self.most_probable_size_of::<3>(),
+            _ => self.most_probable_size_of::<4>(),
+        }
+    }
+
+    fn most_probable_size_of<const N: usize>(&self) -> Option<f64> {
         let count = self.changes.iter().filter(|c| **c > 0.0).count().max(1);
         let span = self.time_s.last()? - self.time_s.first()?;
         let (noise, rate) = (self.noise()?, count as f64 / span);
@@ -505,7 +580,7 @@ impl InputSamples<'_> {
         let range = [RANGE[0] * slow[0], RANGE[1] * fast[1]];
         let cost = |log: f64| {
             let sizes = vec![log.exp(); self.time_s.len()];
-            let start = self.start(&sizes);
+            let start = self.start::<N>(&sizes);
             start.map_or(f64::INFINITY, |start| self.deviance(&start, &sizes))
         };
         Some(least(cost, range.map(f64::ln), ACCURACY).exp())
@@ -545,26 +620,36 @@ impl InputSamples<'_> {
     }
 }
 
-impl Start {
+impl<const N: usize> Start<N> {
     /// The mean motion from the first state on; `on` takes the covariances at the start of each interval, of both ends, and at its end.
-    fn forward(&self, mut on: impl FnMut([&Matrix4<f64>; 3])) -> InputMean {
+    fn forward(&self, mut on: impl FnMut([&SMatrix<f64, N, N>; 3])) -> InputMean {
         let (mut x, mut P) = (self.mean, self.covariance);
         let mut all = InputMean::default();
-        all.push(self.level, &x, 0.0);
+        let of = |x: &SVector<f64, N>| {
+            let acceleration = if self.path.all_along {
+                x[ACCELERATION]
+            } else {
+                0.0
+            };
+            [self.level + x[VALUE], x[SLOPE], acceleration]
+        };
+        all.push(of(&x), 0.0);
         for k in 0..self.path.h.len() {
-            let (together, after, variance) = self.path.spread(k, &P);
+            let spread = self.path.spread(k, &P);
             let [squares, _] = self.path.along(k, &mut x);
-            on([&P, &together, &after]);
-            P = after;
-            all.push(self.level, &x, squares + variance);
+            on([&P, &spread.together, &spread.after]);
+            P = spread.after;
+            all.push(of(&x), squares + spread.variance);
         }
         all
     }
-}
 
-/// The part of value, slope and acceleration.
-fn motion(P: &Matrix4<f64>) -> Matrix3<f64> {
-    P.fixed_view::<3, 3>(0, 0).into_owned()
+    /// The part of value, slope and acceleration.
+    fn motion(&self, P: &SMatrix<f64, N, N>) -> Matrix3<f64> {
+        let numbers = if self.path.all_along { 3 } else { 2 };
+        let own = |i: usize| i < numbers;
+        Matrix3::from_fn(|i, j| if own(i) && own(j) { P[(i, j)] } else { 0.0 })
+    }
 }
 
 /// The samples with correlated errors, where some in a row are equal: they are rounded, and the mean of a run is known as well as
@@ -822,7 +907,7 @@ mod tests {
             samples: &samples,
         };
         let found = all.posterior(&[change; 8]).unwrap();
-        let prior = all.before_samples(&[change; 8]).unwrap();
+        let prior = all.before_samples::<3>(&[change; 8]).unwrap();
         // Of two derivatives of the value, at two times: what each change of the acceleration before them moves, by Simpson's rule.
         let moved = |order: usize, t: f64| match order {
             0 => 0.5 * t * t,
@@ -848,7 +933,7 @@ mod tests {
             let white = if i == j { samples[i].white } else { 0.0 };
             covariance(of(&samples[i]), of(&samples[j])) + white
         });
-        let y = samples.iter().map(|s| s.of_state(3.0).1);
+        let y = samples.iter().map(|s| s.of_state::<3>(3.0, false).1);
         let y = DVector::from_iterator(n, y);
         let weights = C.clone().try_inverse().unwrap();
         let toward = |x: (usize, f64)| {
