@@ -396,6 +396,17 @@ fn place(owner: &Owner, table: &Table, com: Vector3<f64>) -> Vec<Row> {
     rows
 }
 
+/// Whether the zero of a joint is a choice of the axes of the body that it carries: all of that is unknown, and it carries nothing. No
+/// data show it; the answer lists it as assumed.
+fn chooses_axes(model: &Model, joint: &str) -> bool {
+    let own = model.joints.iter().find(|j| j.name == joint);
+    own.is_some_and(|own| {
+        let asked = model.bodies[own.child].estimate;
+        let carries = model.joints.iter().any(|j| j.parent == own.child);
+        asked.mass && asked.com && asked.inertia && !carries
+    })
+}
+
 /// Each convention of each channel of a record.
 pub fn generated(model: &Model, table: &Table) -> Vec<Row> {
     let has = |name: &String| {
@@ -428,7 +439,10 @@ pub fn generated(model: &Model, table: &Table) -> Vec<Row> {
     let [joints, wheels]: [Vec<Owner>; 2] = [joints.collect(), wheels.collect()];
     let thrusters: Vec<Owner> = thrusters.filter(fires).collect();
     let mut rows: Vec<Row> = Vec::new();
-    rows.extend(joints.iter().flat_map(|o| joint(o, table)));
+    let of_joints = joints.iter().flat_map(|o| joint(o, table));
+    rows.extend(
+        of_joints.filter(|r| !(r.kind.starts_with("zero") && chooses_axes(model, &r.channel))),
+    );
     rows.extend(wheels.iter().flat_map(|o| wheel(o, table)));
     rows.extend(thrusters.iter().flat_map(thruster));
     for (name, owners) in [
