@@ -46,9 +46,9 @@ pub(super) fn conventions(
     fitted: &Fitted,
     (excess, dof): (f64, f64),
 ) -> Option<Suspect> {
-    // Axes that turn slowly are no gross mistake.
+    // Other axes are no gross mistake where they turn slowly.
     let mut kinds = match excess < experiment.settings.diagnosis.gross_misfit * dof {
-        true => vec![table::frame(experiment.problem)],
+        true => table::frames(experiment.problem),
         false => table::all(experiment),
     };
     kinds.retain(|kind| !kind.is_empty());

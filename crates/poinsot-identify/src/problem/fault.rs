@@ -56,7 +56,7 @@ faults! {
     WheelScale: "wheel_scale", "spin inertia, or scale of the speed, of a wheel", "; write estimate = true for it";
     WheelTilt: "wheel_tilt", "the axis of a wheel is tilted", "; write misalignment = \"estimate\" for it";
     Units: "units", "degrees for radians, revolutions for radians", "; correct the unit in [telemetry.columns]";
-    Convention: "convention", "a channel that is read by another convention than declared", "; correct its column in the map";
+    Convention: "convention", "a channel that is read by another convention than declared", "; correct it in the map";
     Thrust: "thrust", "thrust of one thruster", "; check its firings, or write scale = \"estimate\" for it";
     Firing: "firing", "a firing that is missing from the telemetry, or that did not happen",
         "; check the commands of all thrusters about that time";

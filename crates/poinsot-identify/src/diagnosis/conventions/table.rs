@@ -136,8 +136,8 @@ pub(super) fn all(experiment: &Experiment) -> Vec<Vec<Convention>> {
     all.extend(pulses(experiment));
     all.push(exchanged_forces);
     all.extend(joints(experiment.problem));
+    all.extend(frames(experiment.problem));
     all.extend(sensors(experiment.problem));
-    all.push(frame(experiment.problem));
     all.retain(|kind| !kind.is_empty());
     all
 }
@@ -219,8 +219,28 @@ fn joints(problem: &Problem) -> Vec<Vec<Convention>> {
     ]
 }
 
+/// Other axes in place of inertial ones: of the orbit, and of the body.
+pub(super) fn frames(problem: &Problem) -> Vec<Vec<Convention>> {
+    let sensors = problem.segments.iter().take(1);
+    let sensors = sensors.flat_map(|s| &s.observations.sensors).enumerate();
+    let body = |(k, sensor): (usize, &SensorRecord)| {
+        let mut row = of_sensor(k, sensor);
+        row.change = match sensor.kind {
+            SensorKind::Velocity => Change::Turned(Turned::Velocities),
+            SensorKind::Position => Change::Turned(Turned::Positions),
+            _ => return None,
+        };
+        Some(row)
+    };
+    vec![orbital(problem), sensors.filter_map(body).collect()]
+}
+
+fn of_sensor(k: usize, sensor: &SensorRecord) -> Convention {
+    Convention::as_declared(Place::Sensor(k), format!("the {}", sensor.name))
+}
+
 /// Orbital axes in place of inertial ones.
-pub(super) fn frame(problem: &Problem) -> Vec<Convention> {
+fn orbital(problem: &Problem) -> Vec<Convention> {
     let mut all = problem.segments.iter().map(|s| &s.observations);
     if !all.all(|o| o.reads(SensorKind::Attitude) && o.reads(SensorKind::Gyro)) {
         return Vec::new();
@@ -258,22 +278,13 @@ fn sensors(problem: &Problem) -> Vec<Vec<Convention>> {
     let axes: Vec<Change> = axes.map(Change::Axes).collect();
     let of = |(k, sensor): (usize, &SensorRecord)| {
         let (_, _, units) = alone.iter().find(|row| row.0 == sensor.kind)?;
-        let own = [Convention::as_declared(
-            Place::Sensor(k),
-            format!("the {}", sensor.name),
-        )];
+        let own = [of_sensor(k, sensor)];
         let units = units.map(Change::Factor);
         let times = sensor.samples.windows(2);
         let step = |two: &[SensorSample]| time_s[two[1].to] - time_s[two[0].to];
         let step = median(times.map(step).collect());
         let late = STEPS.map(|k| Change::Late(k * step));
-        let turned = match sensor.kind {
-            SensorKind::Velocity => Some(Turned::Velocities),
-            SensorKind::Position => Some(Turned::Positions),
-            _ => None,
-        };
-        let turned: Vec<Change> = turned.into_iter().map(Change::Turned).collect();
-        Some([&axes[..], &units, &late, &turned].map(|changes| rows(&own, changes, fixed)))
+        Some([&axes[..], &units, &late].map(|changes| rows(&own, changes, fixed)))
     };
     let sensors = first.sensors.iter().enumerate();
     sensors.filter_map(of).flatten().collect()
