@@ -43,8 +43,7 @@ pub fn too_few_samples(segment: &str, samples: usize) -> Faults {
 /// E0405: the nominal vehicle has no motion.
 pub fn no_motion() -> Faults {
     let problem = "the motion cannot be predicted from the nominal mass properties (no positive mass or inertia, or a rotation five times faster than measured)";
-    let advice =
-        "check mass_kg and inertia_kg_m2 in the model and the units of wheel and joint columns";
+    let advice = "check mass_kg and inertia_kg_m2 in the model and the units of wheel, joint and thrust columns";
     Faults::one(NO_MOTION, Place::default(), problem, advice)
 }
 

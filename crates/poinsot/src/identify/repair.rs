@@ -65,29 +65,28 @@ impl Refusal {
         })
     }
 
-    /// That of a fit; where no motion is predicted, a wheel or joint may be in another unit.
+    /// That of a fit; where no motion is predicted, a wheel, a joint or all thrusters may be in another unit.
     pub fn of_fit(error: Error, model: &Model) -> Self {
+        if error.code() != NO_MOTION {
+            return Self::from(error);
+        }
         let of = |kind, k| names(model, kind, &[k]);
-        let wheels = (0..model.wheels.len()).map(|k| of(SensorKind::WheelSpeed, k));
         let has_rates = model.sensors_of(SensorKind::JointRate).next().is_some();
-        let joints = (0..model.joints.len()).map(|k| {
-            let mut channels = of(SensorKind::JointPosition, k);
-            channels.extend(
-                of(SensorKind::JointRate, k)
-                    .into_iter()
-                    .filter(|_| has_rates),
-            );
-            channels
+        let kinds = [SensorKind::JointPosition, SensorKind::JointRate];
+        let kinds = &kinds[..1 + usize::from(has_rates)];
+        let wheels = (0..model.wheels.len()).map(|k| of(SensorKind::WheelSpeed, k));
+        let joints = 0..model.joints.len();
+        let joints = joints.map(|k| kinds.iter().flat_map(|kind| of(*kind, k)).collect());
+        let turns = wheels.chain(joints).flat_map(|own: Vec<String>| {
+            let factors = UNIT_FACTORS[..2].iter();
+            factors.map(move |x| (own.clone(), *x))
         });
-        let inputs = wheels.chain(joints).filter(|_| error.code() == NO_MOTION);
-        let ways = inputs.flat_map(|channels: Vec<String>| {
-            let way = move |x: &f64| {
-                vec![Repair {
-                    channels: channels.clone(),
-                    change: Change::Factor(*x),
-                }]
-            };
-            UNIT_FACTORS[..2].iter().map(way)
+        let thrusters: Vec<usize> = (0..model.thrusters.len()).collect();
+        let forces = names(model, SensorKind::Thrust, &thrusters);
+        let forces = (!forces.is_empty()).then_some((forces, 1.0e-3));
+        let ways = turns.chain(forces).map(|(channels, x)| {
+            let change = Change::Factor(x);
+            vec![Repair { channels, change }]
         });
         Self {
             ways: ways.collect(),
