@@ -109,9 +109,4 @@ impl MassMatrix {
         };
         (l.stored(), h.stored())
     }
-
-    /// `H_bm q'`: momentum `[l; h]` about `Bo` of the joint rates while the base is at rest.
-    pub fn coupling_times(&self, rates: &[f64]) -> Vector6 {
-        self.H_bm.iter().zip(rates).map(|(h, rate)| h * *rate).sum()
-    }
 }

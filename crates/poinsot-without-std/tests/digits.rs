@@ -10,7 +10,7 @@ use poinsot_dynamics::{
     Motion, Orbit, Rotor, Tree, composite, momentum, momentum_regressor, orbit_state,
     wheel_momentum,
 };
-use poinsot_spatial::{InertialParameters, MassProperties, Matrix3, Vector3};
+use poinsot_spatial::{InertialParameters, MassProperties, Matrix3, Vector3, Vector6};
 use std::path::Path;
 
 /// A base with a wheel, and an arm of two revolute joints about oblique axes and one prismatic joint.
@@ -79,7 +79,8 @@ fn values(states: u32) -> Vec<f64> {
         let whole = composite(&parameters, &kinematics);
         out.extend(whole.I_SScm_B().iter());
         matrix.set(&tree, &parameters, &kinematics);
-        out.extend(matrix.coupling_times(&rates).iter());
+        let of_rates = matrix.H_bm.iter().zip(rates).map(|(h, rate)| h * rate);
+        out.extend(of_rates.sum::<Vector6>().iter());
         let mut found = [0.0; 3];
         forward.set_bodies(&tree, &parameters, &kinematics);
         let torques = [0.5, -0.2, 1.0].map(JointInput::Force);
