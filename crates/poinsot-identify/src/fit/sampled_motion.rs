@@ -34,7 +34,7 @@ const TAILS: f64 = 2.0;
 pub(crate) const SHARED: usize = 4;
 /// Most renewals of their sizes, which end where none changes by more than the accuracy.
 const RENEWALS: usize = 20;
-/// Relative accuracy of the size of the changes: one of twice the size changes what a rate errs by a quarter of itself.
+/// Relative accuracy of the size of the changes: the error of a rate grows with its square root, that of a value with its sixth root.
 const ACCURACY: f64 = 0.05;
 /// Range of that size: changes that move the value by this share of the noise until the next one, or of a joint until the end, and by this
 /// multiple of it until the next one.
@@ -280,15 +280,12 @@ fn directions<const N: usize>(all_along: bool, h: f64) -> [SVector<f64, N>; 3] {
     if !all_along {
         return [unit(SLOPE); 3];
     }
-    let of = |value: f64, slope: f64, own: f64| {
-        let all = [value, slope, own];
-        SVector::from_fn(|i, _| all.get(i).copied().unwrap_or(0.0))
-    };
-    [
-        of(h * h / 720.0_f64.sqrt(), 0.0, 0.0),
-        of(h * h / 48.0_f64.sqrt(), h / 12.0_f64.sqrt(), 0.0),
-        of(h * h / 6.0, 0.5 * h, 1.0),
-    ]
+    let all = [
+        [h * h / 720.0_f64.sqrt(), 0.0, 0.0],
+        [h * h / 48.0_f64.sqrt(), h / 12.0_f64.sqrt(), 0.0],
+        [h * h / 6.0, 0.5 * h, 1.0],
+    ];
+    all.map(|own| SVector::from_fn(|i, _| own.get(i).copied().unwrap_or(0.0)))
 }
 
 /// A product of determinants of which the logarithm is taken.
