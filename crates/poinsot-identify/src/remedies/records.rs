@@ -9,7 +9,7 @@ use crate::problem::loss::Loss;
 use crate::problem::parameters::axis_name;
 use crate::problem::segment::{Firing, Noise, Observations, Segment, SensorRecord, SensorValue};
 use poinsot_dynamics::{Kinematics, composite};
-use poinsot_model::{Joint, SensorKind, Thruster};
+use poinsot_model::{Joint, SensorKind, Thruster, rounded};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 
 /// Samples of a record that is tried, and its longest duration, s; their noise is scaled to that of the record at
@@ -170,9 +170,9 @@ impl Baseline<'_> {
                 force,
             }];
             let lasting = trial.segment.observations.time_s[last] - start_s;
-            let own = !self.problem.model.thrusters.is_empty();
-            let text = format!("{text}, {force:.1e} N for {lasting:.1} s, of known force");
-            add(own, text, &with);
+            let size = rounded(force, 2);
+            let text = format!("{text}, {size} N for {lasting:.1} s, of known force");
+            add(!self.problem.model.thrusters.is_empty(), text, &with);
         };
         let fires = |k: usize| {
             let firings = self.problem.segments.iter().flat_map(|s| &s.firings);
