@@ -16,7 +16,6 @@ mod inputs;
 mod joint_scales;
 mod mass_loss;
 mod point_kinematics;
-pub(crate) mod refined;
 mod steps;
 mod variation;
 mod vehicle;

@@ -201,6 +201,7 @@ mod tests {
         let step = ErrorStep {
             memory: Matrix3::from_diagonal(&Vector3::new(0.6, 0.5, 0.0)),
             fresh: Matrix3::from_diagonal(&Vector3::new(0.64, 1.0, 0.0)),
+            within: 0.0,
         };
         let initial = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 0.0));
         let process = ErrorProcess::new(initial, vec![step; n - 1]);

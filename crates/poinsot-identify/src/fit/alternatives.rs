@@ -8,10 +8,11 @@
 
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::momentum_state::{Fitted, fit_from, fit_on};
+use crate::fit::sampled_motion::Changes;
 use crate::fit::smoothed_inputs::SmoothedInputs;
 use crate::fit::step::{ITERATIONS, Linearisation, moved};
 use crate::fit::step_error::{StepError, within_steps};
-use crate::fit::wheel_torque::{RandomTorque, TorqueChanges};
+use crate::fit::wheel_torque::RandomTorque;
 use crate::problem::Problem;
 use crate::problem::alternative::BetweenSamples;
 use crate::problem::parameters::{Parameters, Unknown};
@@ -259,20 +260,21 @@ pub(crate) fn random_torque(
     trusted: bool,
 ) -> Option<RandomTorque> {
     let problem = experiment.problem;
-    let cost = |torque: &RandomTorque| {
+    let cost = |torque: &RandomTorque, wheels: BetweenSamples| {
         let problem = torque.problem(problem);
-        let here = driven_at_random(experiment, &problem).linearise(&fitted.at)?;
-        Some(least(&here) + torque.deviance)
+        let driven = experiment.with_problem(&problem).under(wheels);
+        Some(least(&driven.linearise(&fitted.at)?) + torque.deviance)
     };
-    let anywhere = RandomTorque::new(problem, TorqueChanges::Anywhere)?;
+    let anywhere = RandomTorque::new(problem, Changes::Slope)?;
     if !trusted {
         return Some(anywhere);
     }
-    let held = RandomTorque::new(problem, TorqueChanges::AtSamples)?;
-    (cost(&anywhere)? < cost(&held)?).then_some(anywhere)
+    let held = RandomTorque::new(problem, Changes::SlopeAtTimes)?;
+    let [random, straight] = [BetweenSamples::RandomTorque, BetweenSamples::Held];
+    (cost(&anywhere, random)? < cost(&held, straight)?).then_some(anywhere)
 }
 
-/// The experiment with wheels that run straight from change to change of their torque.
+/// The experiment with wheels whose torque is a process.
 fn driven_at_random<'b>(experiment: &Experiment<'b>, problem: &'b Problem<'b>) -> Experiment<'b> {
     let alternative = BetweenSamples::RandomTorque;
     experiment.with_problem(problem).under(alternative)

@@ -234,7 +234,7 @@ impl<'a> Experiment<'a> {
 
     /// Whether they can: where they run smoothly they are curves already.
     pub fn may_bend(&self) -> bool {
-        !self.problem.model.wheels.is_empty() && !self.wheels.is_smooth()
+        !self.problem.model.wheels.is_empty() && self.wheels == BetweenSamples::Held
     }
 
     /// Curves along which lags shift the inputs, one per segment; none where no lag is unknown.

@@ -1,7 +1,6 @@
 //! The speed of a wheel or the position of a joint, with changes at random, from noisy or rounded samples.
 //!
-//! The slope of a wheel's speed changes at some times and is constant between them. A joint's acceleration changes all along, by white
-//! noise. A sample is the value or the slope, its rounding error and white noise; the rounding error stays in part from sample to
+//! The slope of a wheel's speed changes at its samples, or all along by white noise; a joint's acceleration changes all along. A sample is the value or the slope, its rounding error and white noise; the rounding error stays in part from sample to
 //! sample. With the state `x = [value, slope, acceleration, rounding]`, `x' = F x` over an interval, `x+ = x + d s v` for each change
 //! along its direction d, and at a sample `x+ = diag(1, 1, 1, a) x + [0, 0, 0, q v]`, all v normal. The samples give the posterior of the whole
 //! motion. It is a Markov process itself: with `L` the information that the later samples hold of the state, a change along d has the
@@ -10,7 +9,8 @@
 //! covariances at neighbouring times ([`ErrorProcess`]): exact for white noise.
 //!
 //! White noise of the third derivative, of density q over an interval h, is three changes at its end: the columns of the root of the
-//! covariance `q [h^5/20, h^4/8, h^3/6; h^4/8, h^3/3, h^2/2; h^3/6, h^2/2, h]`.
+//! covariance `q [h^5/20, h^4/8, h^3/6; h^4/8, h^3/3, h^2/2; h^3/6, h^2/2, h]`. That of the second is two, and
+//! the motion within an interval is known from its ends: its mean is a cubic, and its integral has the variance `q h^5 / 720` about that.
 
 use crate::fit::part_of_record::picked;
 use crate::problem::error_process::{ErrorProcess, ErrorStep};
@@ -31,7 +31,7 @@ const WHITE: f64 = 1.0e-3;
 /// Degrees of freedom of the changes: most are small, as between two manoeuvres, and some large. Measured: docs/validation/pyramid.md.
 const TAILS: f64 = 2.0;
 /// Changes before and after one with which it shares its size.
-pub(crate) const SHARED: usize = 4;
+const SHARED: usize = 4;
 /// Most renewals of their sizes, which end where none changes by more than the accuracy.
 const RENEWALS: usize = 20;
 /// Relative accuracy of the size of the changes: the error of a rate grows with its square root, that of a value with its sixth root.
@@ -111,14 +111,39 @@ impl InputSample {
     }
 }
 
+/// What of a motion changes at random, and when.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Changes {
+    /// Its slope, at some times.
+    SlopeAtTimes,
+    /// Its slope, all along.
+    Slope,
+    /// The slope of that, all along.
+    Acceleration,
+}
+
+impl Changes {
+    /// Numbers of the motion.
+    fn numbers(self) -> usize {
+        if self == Self::Acceleration { 3 } else { 2 }
+    }
+
+    /// How many changes stand for those of an interval.
+    fn count(self) -> usize {
+        match self {
+            Self::SlopeAtTimes => 1,
+            Self::Slope => 2,
+            Self::Acceleration => 3,
+        }
+    }
+}
+
 /// Samples of an input on a grid, and when its motion changes.
 pub(crate) struct InputSamples<'a> {
     pub time_s: &'a [f64],
-    /// Standard deviation of the change before each grid time, of the slope or, where it changes all along, of the acceleration, over that
-    /// of a plain one; zero where there is none.
+    /// Standard deviation of the change before each grid time over that of a plain one; zero where there is none.
     pub changes: &'a [f64],
-    /// Whether the acceleration changes all along the interval before a grid time, by white noise, instead of the slope at its end.
-    pub all_along: bool,
+    pub of: Changes,
     /// In order of time, at most one value at a grid time.
     pub samples: &'a [InputSample],
 }
@@ -195,11 +220,11 @@ impl<const N: usize> Information<N> {
     }
 
     /// Goes back over an interval without a change.
-    fn before_line(&mut self, h: f64, all_along: bool) {
-        back_over_line(h, all_along, &mut self.eta);
-        back_over_line(h, all_along, &mut self.L);
+    fn before_line(&mut self, h: f64, of: Changes) {
+        back_over_line(h, of, &mut self.eta);
+        back_over_line(h, of, &mut self.L);
         self.L.transpose_mut();
-        back_over_line(h, all_along, &mut self.L);
+        back_over_line(h, of, &mut self.L);
     }
 
     /// Goes back over a rounding error of which this share stays.
@@ -218,12 +243,12 @@ fn fade<const N: usize>(of: &mut SMatrix<f64, N, N>, memory: f64) {
 /// Takes states over an interval without a change, one in each column.
 fn over_line<const N: usize, C: Dim, S: StorageMut<f64, Const<N>, C>>(
     h: f64,
-    all_along: bool,
+    of: Changes,
     x: &mut Matrix<f64, Const<N>, C, S>,
 ) {
     for mut x in x.column_iter_mut() {
         x[VALUE] += h * x[SLOPE];
-        if all_along {
+        if of == Changes::Acceleration {
             x[VALUE] += 0.5 * h * h * x[ACCELERATION];
             x[SLOPE] += h * x[ACCELERATION];
         }
@@ -233,11 +258,11 @@ fn over_line<const N: usize, C: Dim, S: StorageMut<f64, Const<N>, C>>(
 /// Takes what is held of states back over it.
 fn back_over_line<const N: usize, C: Dim, S: StorageMut<f64, Const<N>, C>>(
     h: f64,
-    all_along: bool,
+    of: Changes,
     held: &mut Matrix<f64, Const<N>, C, S>,
 ) {
     for mut x in held.column_iter_mut() {
-        if all_along {
+        if of == Changes::Acceleration {
             x[ACCELERATION] += 0.5 * h * h * x[VALUE] + h * x[SLOPE];
         }
         x[SLOPE] += h * x[VALUE];
@@ -274,17 +299,21 @@ impl<const N: usize> Change<N> {
     }
 }
 
-/// Directions of the changes at the end of an interval, in the order of time: one of the slope, or three with the covariance of
-/// white noise of the third derivative.
-fn directions<const N: usize>(all_along: bool, h: f64) -> [SVector<f64, N>; 3] {
-    if !all_along {
-        return [unit(SLOPE); 3];
-    }
-    let all = [
-        [h * h / 720.0_f64.sqrt(), 0.0, 0.0],
-        [h * h / 48.0_f64.sqrt(), h / 12.0_f64.sqrt(), 0.0],
-        [h * h / 6.0, 0.5 * h, 1.0],
-    ];
+/// Directions of the changes at the end of an interval, in the order of time; those that count come last.
+fn directions<const N: usize>(of: Changes, h: f64) -> [SVector<f64, N>; 3] {
+    let all = match of {
+        Changes::SlopeAtTimes => return [unit(SLOPE); 3],
+        Changes::Slope => [
+            [0.0; 3],
+            [h / 12.0_f64.sqrt(), 0.0, 0.0],
+            [0.5 * h, 1.0, 0.0],
+        ],
+        Changes::Acceleration => [
+            [h * h / 720.0_f64.sqrt(), 0.0, 0.0],
+            [h * h / 48.0_f64.sqrt(), h / 12.0_f64.sqrt(), 0.0],
+            [h * h / 6.0, 0.5 * h, 1.0],
+        ],
+    };
     all.map(|own| SVector::from_fn(|i, _| own.get(i).copied().unwrap_or(0.0)))
 }
 
@@ -300,9 +329,9 @@ fn unit<const N: usize>(i: usize) -> SVector<f64, N> {
 struct Path<const N: usize> {
     /// Lengths of the intervals.
     h: Vec<f64>,
-    /// At the end of each interval, in the order of time: three where the acceleration changes all along, else one.
+    /// At the end of each interval, in the order of time.
     changes: Vec<Change<N>>,
-    all_along: bool,
+    of: Changes,
     /// What stays and is new of the rounding error at the end of each interval with a sample; empty where nothing is rounded.
     rounding: Vec<Option<(f64, Change<N>)>>,
 }
@@ -310,7 +339,7 @@ struct Path<const N: usize> {
 impl<const N: usize> Path<N> {
     /// The mean state at the end of an interval; the sum of squares of the mean changes, and the mean change of the rounding error.
     fn along(&self, k: usize, x: &mut SVector<f64, N>) -> [f64; 2] {
-        over_line(self.h[k], self.all_along, x);
+        over_line(self.h[k], self.of, x);
         let mut squares = 0.0;
         for (change, direction) in self.changes(k) {
             squares += change.along(&direction, x).powi(2);
@@ -325,9 +354,9 @@ impl<const N: usize> Path<N> {
     /// From the covariance at its start: that of both ends, at its end, and the variance of all changes.
     fn spread(&self, k: usize, P: &SMatrix<f64, N, N>) -> Spread<N> {
         let mut together = *P;
-        over_line(self.h[k], self.all_along, &mut together);
+        over_line(self.h[k], self.of, &mut together);
         let mut after = together.transpose();
-        over_line(self.h[k], self.all_along, &mut after);
+        over_line(self.h[k], self.of, &mut after);
         let mut variance = 0.0;
         for (change, direction) in self.changes(k) {
             change.follow(&direction, &mut together);
@@ -347,19 +376,15 @@ impl<const N: usize> Path<N> {
     }
 
     fn changes(&self, k: usize) -> impl Iterator<Item = (&Change<N>, SVector<f64, N>)> {
-        let count = changes_of(self.all_along);
+        let count = self.of.count();
         let own = &self.changes[count * k..count * (k + 1)];
-        own.iter().zip(directions(self.all_along, self.h[k]))
+        own.iter()
+            .zip(directions(self.of, self.h[k]).into_iter().skip(3 - count))
     }
 
     fn rounding(&self, k: usize) -> Option<&(f64, Change<N>)> {
         self.rounding.get(k)?.as_ref()
     }
-}
-
-/// How many changes an interval has.
-fn changes_of(all_along: bool) -> usize {
-    if all_along { 3 } else { 1 }
 }
 
 /// Covariances over an interval: of both ends, and at its end; and the variance of all changes.
@@ -411,7 +436,7 @@ impl InputSamples<'_> {
         let span = self.time_s.last()? - self.time_s.first()?;
         let first = self.samples.iter().take_while(|s| s.at == 0);
         let rounding = first.map(|s| s.rounding).sum::<f64>().sqrt();
-        if !self.all_along {
+        if self.of != Changes::Acceleration {
             let largest = sizes.iter().fold(0.0, |a: f64, b| a.max(*b));
             let wide = DIFFUSE * (self.noise()? + largest * span);
             let all = [wide, wide / span];
@@ -441,7 +466,7 @@ impl InputSamples<'_> {
 
     /// Numbers of the state.
     fn numbers(&self) -> usize {
-        2 + usize::from(self.all_along) + usize::from(self.is_rounded())
+        self.of.numbers() + usize::from(self.is_rounded())
     }
 
     fn is_rounded(&self) -> bool {
@@ -452,13 +477,30 @@ impl InputSamples<'_> {
         let start = self.start::<N>(sizes)?;
         let motion = |P: &SMatrix<f64, N, N>| start.motion(P);
         let mut errors = ErrorProcess::new(motion(&start.covariance), []);
+        let mut within = self.within(sizes);
         let mean = start.forward(|covariances| {
-            errors.push(&ErrorStep::between(covariances.map(motion)));
+            let step = ErrorStep::between(covariances.map(motion));
+            errors.push(&ErrorStep {
+                within: within.next().unwrap_or(0.0),
+                ..step
+            });
         });
         Some(InputPosterior {
             mean,
             errors,
             deviance: self.deviance(&start, sizes),
+        })
+    }
+
+    /// Variance of the integral over each interval, its ends given.
+    fn within(&self, sizes: &[f64]) -> impl Iterator<Item = f64> {
+        let ends = self.time_s.windows(2).zip(&sizes[1..]);
+        ends.zip(&self.changes[1..]).map(|((t, size), change)| {
+            let h = t[1] - t[0];
+            match self.of {
+                Changes::Slope => (size * change).powi(2) * h.powi(4) / 720.0,
+                Changes::SlopeAtTimes | Changes::Acceleration => 0.0,
+            }
         })
     }
 
@@ -474,7 +516,7 @@ impl InputSamples<'_> {
     /// What all samples hold of the first state, and the way back to it.
     fn backward<const N: usize>(&self, sizes: &[f64], level: f64) -> (Information<N>, Path<N>) {
         let n = self.time_s.len();
-        let (count, rounded) = (changes_of(self.all_along), self.is_rounded());
+        let (count, rounded) = (self.of.count(), self.is_rounded());
         let mut samples = self.samples.iter().rev().peekable();
         let mut held = Information {
             L: SMatrix::zeros(),
@@ -485,7 +527,7 @@ impl InputSamples<'_> {
         let mut path = Path {
             h: self.time_s.windows(2).map(|w| w[1] - w[0]).collect(),
             changes: Vec::with_capacity(count * (n - 1)),
-            all_along: self.all_along,
+            of: self.of,
             rounding: Vec::new(),
         };
         for k in (1..n).rev() {
@@ -503,10 +545,10 @@ impl InputSamples<'_> {
             }
             let h = path.h[k - 1];
             let variance = (sizes[k] * self.changes[k]).powi(2);
-            for direction in directions(self.all_along, h)[..count].iter().rev() {
+            for direction in directions(self.of, h)[3 - count..].iter().rev() {
                 path.changes.push(held.before_change(direction, variance));
             }
-            held.before_line(h, self.all_along);
+            held.before_line(h, self.of);
         }
         samples.for_each(|sample| held.take(sample, level, rounded));
         path.changes.reverse();
@@ -563,16 +605,16 @@ impl InputSamples<'_> {
         let (noise, rate) = (self.noise()?, count as f64 / span);
         let slopes = self.samples.iter().filter(|s| s.of_slope);
         let slopes = slopes.map(|s| s.white.sqrt()).reduce(f64::min);
-        let [slow, fast] = match self.all_along {
+        let [slow, fast] = match self.of {
             // The slope that a change makes, over the time until the end and until the next one.
-            true => [span.recip(), rate].map(|rate| {
+            Changes::Acceleration => [span.recip(), rate].map(|rate| {
                 let slopes = slopes.unwrap_or(noise * rate);
                 [
                     (noise * rate * rate).min(slopes * rate),
                     (noise * rate * rate).max(slopes * rate),
                 ]
             }),
-            false => [[noise * rate; 2]; 2],
+            Changes::Slope | Changes::SlopeAtTimes => [[noise * rate; 2]; 2],
         };
         let range = [RANGE[0] * slow[0], RANGE[1] * fast[1]];
         let cost = |log: f64| {
@@ -592,7 +634,7 @@ impl InputSamples<'_> {
         let places: Vec<usize> = places.filter(|(_, c)| **c > 0.0).map(|(k, _)| k).collect();
         for _ in 0..RENEWALS {
             let found = self.mean(&sizes)?;
-            let of = if self.all_along { 3.0 } else { 1.0 };
+            let of = self.of.count() as f64;
             let square = |k: &usize| found.squares[*k] / (of * self.changes[*k].powi(2));
             let own: Vec<f64> = places.iter().map(square).collect();
             let width = |i: usize| {
@@ -623,10 +665,9 @@ impl<const N: usize> Start<N> {
         let (mut x, mut P) = (self.mean, self.covariance);
         let mut all = InputMean::default();
         let of = |x: &SVector<f64, N>| {
-            let acceleration = if self.path.all_along {
-                x[ACCELERATION]
-            } else {
-                0.0
+            let acceleration = match self.path.of {
+                Changes::Acceleration => x[ACCELERATION],
+                Changes::Slope | Changes::SlopeAtTimes => 0.0,
             };
             [self.level + x[VALUE], x[SLOPE], acceleration]
         };
@@ -643,7 +684,7 @@ impl<const N: usize> Start<N> {
 
     /// The part of value, slope and acceleration.
     fn motion(&self, P: &SMatrix<f64, N, N>) -> Matrix3<f64> {
-        let numbers = if self.path.all_along { 3 } else { 2 };
+        let numbers = self.path.of.numbers();
         let own = |i: usize| i < numbers;
         Matrix3::from_fn(|i, j| if own(i) && own(j) { P[(i, j)] } else { 0.0 })
     }
@@ -712,7 +753,7 @@ impl JointMotion {
         let of = InputSamples {
             time_s,
             changes: &changes,
-            all_along: true,
+            of: Changes::Acceleration,
             samples: &measured,
         };
         let (found, sizes) = of.most_probable()?;
@@ -821,7 +862,7 @@ mod tests {
             let all = InputSamples {
                 time_s: &time_s,
                 changes: &changes,
-                all_along: false,
+                of: Changes::SlopeAtTimes,
                 samples: &samples,
             };
             let found = all.posterior(&[change; 8]).unwrap();
@@ -900,7 +941,7 @@ mod tests {
         let all = InputSamples {
             time_s: &time_s,
             changes: &changes,
-            all_along: true,
+            of: Changes::Acceleration,
             samples: &samples,
         };
         let found = all.posterior(&[change; 8]).unwrap();
@@ -972,6 +1013,71 @@ mod tests {
         let expected = C.determinant().ln() - white + y.dot(&(weights * &y));
         let off = (found.deviance - expected).abs();
         assert!(off < 1.0e-5 * expected.abs(), "{off}");
+    }
+
+    /// A speed whose slope changes all along has the same posterior on a grid with seven times more between two of its samples; its
+    /// integral over an interval, the ends given, has the variance that the finer grid gives it.
+    #[test]
+    fn exact_a_speed_is_the_same_on_a_finer_grid() {
+        const PARTS: usize = 8;
+        let times = |parts: usize| -> Vec<f64> {
+            let n = 6 * parts;
+            (0..=n).map(|k| 0.5 * k as f64 / parts as f64).collect()
+        };
+        let read = [3.0, 3.4, 3.1, 2.2, 2.6, 3.3, 3.2];
+        let all = |parts: usize| {
+            let at = |(k, value): (usize, &f64)| InputSample::white(k * parts, *value, 0.01);
+            let samples: Vec<InputSample> = read.iter().enumerate().map(at).collect();
+            let time_s = times(parts);
+            let mut changes = vec![(parts as f64).sqrt().recip(); time_s.len()];
+            changes[0] = 0.0;
+            InputSamples {
+                time_s: &time_s,
+                changes: &changes,
+                of: Changes::Slope,
+                samples: &samples,
+            }
+            .posterior(&vec![0.7; time_s.len()])
+            .unwrap()
+        };
+        let (coarse, fine) = (all(1), all(PARTS));
+        for k in 0..read.len() {
+            let [a, b] = [coarse.mean.at(k), fine.mean.at(k * PARTS)];
+            assert!((a[0] - b[0]).abs() < 1.0e-8 && (a[1] - b[1]).abs() < 1.0e-8);
+        }
+        assert!((coarse.deviance - fine.deviance).abs() < 1.0e-6);
+        let places: Vec<usize> = (0..read.len()).map(|k| k * PARTS).collect();
+        let thinned = fine.errors.at_times(&places);
+        for (a, b) in coarse.errors.steps().zip(thinned.steps()) {
+            assert!((a.memory - b.memory).amax() < 1.0e-6 && (a.fresh - b.fresh).amax() < 1.0e-9);
+        }
+        // Covariance of the first end, the second, and the integral of the cubics from time to time.
+        let h = 0.5 / PARTS as f64;
+        for (whole, parts) in coarse.errors.steps().zip((0..6).map(|k| k * PARTS)) {
+            let mut C = DMatrix::<f64>::zeros(5, 5);
+            for i in 0..2 {
+                (C[(i, i)], C[(i + 2, i)], C[(i, i + 2)], C[(i + 2, i + 2)]) = (1.0, 1.0, 1.0, 1.0);
+            }
+            for step in (parts..parts + PARTS).map(|k| fine.errors.step(k).unwrap()) {
+                let mut on = DMatrix::<f64>::identity(5, 5);
+                let memory = step.memory.fixed_view::<2, 2>(0, 0);
+                on.view_mut((2, 2), (2, 2)).copy_from(&memory);
+                let begin = nalgebra::RowVector2::new(0.5 * h, h * h / 12.0);
+                let end = nalgebra::RowVector2::new(0.5 * h, -h * h / 12.0);
+                on.view_mut((4, 2), (1, 2))
+                    .copy_from(&(begin + end * memory));
+                let mut new = DMatrix::<f64>::zeros(5, 2);
+                new.view_mut((2, 0), (2, 2)).fill_with_identity();
+                new.view_mut((4, 0), (1, 2)).copy_from(&end);
+                let fresh = step.fresh.fixed_view::<2, 2>(0, 0);
+                C = &on * C * on.transpose() + &new * fresh * new.transpose();
+                C[(4, 4)] += step.within;
+            }
+            let ends = C.view((0, 0), (4, 4)).clone_owned();
+            let with = C.view((4, 0), (1, 4)).clone_owned();
+            let left = C[(4, 4)] - (&with * ends.try_inverse().unwrap() * with.transpose())[(0, 0)];
+            assert!((left / whole.within - 1.0).abs() < 1.0e-6, "{left}");
+        }
     }
 
     /// Noisy and rounded readings of smooth motions: position and rate err by what is stated.
@@ -1046,7 +1152,7 @@ mod tests {
         let all = InputSamples {
             time_s: &time_s,
             changes: &changes,
-            all_along: false,
+            of: Changes::SlopeAtTimes,
             samples: &samples,
         };
         let size = all.most_probable_size().unwrap();

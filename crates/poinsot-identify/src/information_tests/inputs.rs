@@ -10,8 +10,8 @@ use crate::problem::alternative::BetweenSamples;
 use crate::problem::error_process::{ErrorProcess, ErrorStep};
 use crate::problem::parameters::{Equations, Parameters};
 use crate::problem::segment::{
-    BetweenReadings, InputChannel, InputErrors, Noise, Observations, Segment, SensorRecord,
-    SensorValue,
+    BetweenReadings, InputChannel, InputErrors, InputRate, Noise, Observations, Segment,
+    SensorRecord, SensorValue,
 };
 use crate::sensors::ideal_measurement;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
@@ -30,6 +30,8 @@ struct Case {
     smooth: bool,
     /// Whether the noise of some sensors is correlated.
     coloured: bool,
+    /// Whether the speed of the wheel is a process whose slope drives too.
+    random: bool,
 }
 
 /// Relative gaps of the filter to the dense covariance.
@@ -86,7 +88,12 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
     }
     let joint = |j: usize| channel(of_variance(&joints[j], noise.joint_position[j]));
     made.observations.joints = [0, 1].map(joint).to_vec();
-    made.observations.wheels = vec![channel(of_variance(&wheel, noise.wheel_speed[0]))];
+    let mut of_wheel = channel(of_variance(&wheel, noise.wheel_speed[0]));
+    match case.random {
+        true => of_wheel.rate = InputRate::Random,
+        false => of_wheel.acceleration.clear(),
+    }
+    made.observations.wheels = vec![of_wheel];
     if case.coloured {
         super::colour(&mut made);
     }
@@ -221,6 +228,7 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
                 let mut moved = made.clone();
                 let o = &mut moved.observations;
                 match input {
+                    4 if case.random => o.wheels[0].acceleration[k] += d,
                     5.. => o.joints[input - 5].acceleration[k] += d,
                     3.. => o.joint_rate[2 * k + input - 3] += d,
                     2 => o.wheel_speed[k] += d,
@@ -236,14 +244,16 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
         let mut own = nalgebra::DMatrix::from_fn(samples, samples, |i, j| {
             variance * correlation(&errors, i, j)
         });
-        if let (true, InputErrors::Process(of)) = (input < 2, &errors) {
-            // Positions, then rates, then accelerations.
-            let slopes = |more: usize| (0..samples).map(move |k| (more, k));
-            let slopes = slopes(3).chain(slopes(5));
+        if let (true, InputErrors::Process(of)) = (input < 2 || case.random, &errors) {
+            // Positions, then rates, then accelerations; speeds, then their slopes.
+            let slopes: &[usize] = if input < 2 { &[3, 5] } else { &[2] };
+            let slopes = slopes
+                .iter()
+                .flat_map(|more| (0..samples).map(move |k| (more, k)));
             let slopes = slopes.map(|(more, k)| slope_of(input + more, 1.0e-4, k));
             let columns: Vec<_> = G.iter().cloned().chain(slopes).collect();
             all = nalgebra::DMatrix::from_columns(&columns);
-            own = nalgebra::DMatrix::from_fn(3 * samples, 3 * samples, |i, j| {
+            own = nalgebra::DMatrix::from_fn(columns.len(), columns.len(), |i, j| {
                 let all = covariance(of, i % samples, j % samples);
                 variance * all[(i / samples, j / samples)]
             });
@@ -399,8 +409,21 @@ fn process() -> InputErrors {
         memory: Matrix3::new(0.9, 0.3, 0.1, -0.2, 0.8, -0.1, 0.05, -0.1, 0.7),
         fresh: Matrix3::new(0.2, 0.05, 0.02, 0.05, 0.3, 0.1, 0.02, 0.1, 0.2)
             * f64::from(u8::from(k.is_multiple_of(3))),
+        within: 0.0,
     };
     let initial = Matrix3::new(1.0, -0.3, 0.1, -0.3, 0.5, 0.1, 0.1, 0.1, 0.4);
+    InputErrors::Process(ErrorProcess::new(initial, (0..200).map(step)))
+}
+
+/// A speed whose error moves with that of its slope, new in both at every second grid time.
+fn turning() -> InputErrors {
+    let step = |k: usize| ErrorStep {
+        memory: Matrix3::new(0.9, 0.2, 0.0, -0.2, 0.8, 0.0, 0.0, 0.0, 0.0),
+        fresh: Matrix3::new(0.2, 0.3, 0.0, 0.3, 2.0, 0.0, 0.0, 0.0, 0.0)
+            * f64::from(u8::from(k.is_multiple_of(2))),
+        within: 0.0,
+    };
+    let initial = Matrix3::new(1.0, -0.3, 0.0, -0.3, 5.0, 0.0, 0.0, 0.0, 0.0);
     InputErrors::Process(ErrorProcess::new(initial, (0..200).map(step)))
 }
 
@@ -432,6 +455,12 @@ fn exact_chi2_with_noise_in_the_inputs_is_that_of_the_dense_covariance() {
         let between = [2.5, 7.0].map(|every| dense(case(4), white(), interpolated(every)));
         let driven = dense(case(4), white(), process());
         assert!(driven < 5.0e-4, "{driven:e}");
+        let random = Case {
+            random: true,
+            ..case(4)
+        };
+        let random = dense(random, white(), turning());
+        assert!(random < 5.0e-4, "{random:e}");
         let joints = [process(), InputErrors::Independent];
         let smoothed = dense(case(4), joints, InputErrors::Independent);
         assert!(smoothed < 1.0e-3, "{smoothed:e}");
@@ -454,7 +483,7 @@ fn exact_chi2_of_instruments_at_points_with_noise_in_the_inputs_is_that_of_the_d
             fine: 4,
             smooth,
             points: true,
-            coloured: false,
+            ..Case::default()
         };
         let fresh = dense(case, white(), InputErrors::Independent);
         let lasting = dense(case, [kept(0.5), kept(0.7)], kept(0.9));
@@ -465,6 +494,12 @@ fn exact_chi2_of_instruments_at_points_with_noise_in_the_inputs_is_that_of_the_d
         assert!(driven < 2.0e-4, "{driven:e}");
         let smoothed = dense(case, [process(), kept(0.7)], process());
         assert!(smoothed < 2.0e-4, "{smoothed:e}");
+        let case = Case {
+            random: true,
+            ..case
+        };
+        let random = dense(case, white(), turning());
+        assert!(random < 2.0e-4, "{random:e}");
     }
 }
 

@@ -35,7 +35,9 @@ pub(crate) use points::{approximate, increments};
 
 use crate::motion::{Column, Instant, Matrix6x12, Motion, State, matrix, pose_change};
 use crate::problem::error_process::ErrorProcess;
-use crate::problem::segment::{InputErrors, Noise, Observations, Segment, SensorRecord};
+use crate::problem::segment::{
+    InputChannel, InputErrors, Noise, Observations, Segment, SensorRecord,
+};
 use filter::Filter;
 use nalgebra::{DMatrix, Matrix3 as Square, Vector3 as Errors};
 use poinsot_dynamics::propagation::{FlexibleChange, INTERNAL, ModeRows, STATE};
@@ -64,8 +66,10 @@ fn add_internal(modes: &ModeRows, x: &Column, out: &mut Column) {
 enum Input {
     Joint(usize),
     Wheel(usize),
-    /// The slope of a wheel's speed, that nothing depends on: its error moves that of the speed, the input before it.
-    Slope,
+    /// The slope of a wheel's speed, the input before it: within an interval the speed is a cubic.
+    Slope(usize),
+    /// The same where the speed runs straight: its error moves that of the speed, and nothing else depends on it.
+    Step,
     /// A joint's rate and its acceleration, in a process with the position, the input before them.
     Rate(usize),
     Acceleration(usize),
@@ -172,13 +176,14 @@ pub(crate) struct InputNoise {
 
 /// The errors of an input, each with what it belongs to and its shares in it: two of readings where it is interpolated, value
 /// and slope where it is a process.
-fn separate(input: Input, errors: InputErrors) -> Vec<(Input, Memory, Vec<f64>)> {
-    let places = match errors {
+fn separate(input: Input, channel: &InputChannel) -> Vec<(Input, Memory, Vec<f64>)> {
+    let places = match channel.errors.clone() {
         InputErrors::Interpolated(places) => places,
         InputErrors::Process(process) => {
             let slopes = match input {
                 Input::Joint(joint) => vec![Input::Rate(joint), Input::Acceleration(joint)],
-                _ => vec![Input::Slope; 2],
+                Input::Wheel(w) if !channel.acceleration.is_empty() => vec![Input::Slope(w)],
+                _ => vec![Input::Step; 2],
             };
             let slopes = slopes.into_iter().take(process.width() - 1);
             let slopes = slopes.map(|slope| (slope, Memory::Follows, Vec::new()));
@@ -201,13 +206,13 @@ fn separate(input: Input, errors: InputErrors) -> Vec<(Input, Memory, Vec<f64>)>
 /// The inputs with noise, how their errors go on, and their shares.
 type NoisyInputs = (Vec<(Input, f64)>, Vec<Memory>, Vec<Vec<f64>>);
 
-fn noisy<'a>(all: impl Iterator<Item = (Input, f64, &'a InputErrors)>) -> NoisyInputs {
+fn noisy<'a>(all: impl Iterator<Item = (Input, f64, &'a InputChannel)>) -> NoisyInputs {
     let (mut inputs, mut memory, mut shares) = NoisyInputs::default();
-    for (input, variance, errors) in all {
+    for (input, variance, channel) in all {
         // A process has variances of its own.
-        let has_own = matches!(errors, InputErrors::Process(_));
-        if has_own || variance > 0.0 && *errors != InputErrors::None {
-            for (input, errors, share) in separate(input, errors.clone()) {
+        let has_own = matches!(channel.errors, InputErrors::Process(_));
+        if has_own || variance > 0.0 && channel.errors != InputErrors::None {
+            for (input, errors, share) in separate(input, channel) {
                 inputs.push((input, variance));
                 memory.push(errors);
                 shares.push(share);
@@ -234,8 +239,8 @@ impl InputNoise {
         let translation = o.reads_translation() || increments > 0;
         let joints = noise.joint_position.iter().enumerate();
         let wheels = noise.wheel_speed.iter().enumerate();
-        let joints = joints.map(|(k, v)| (Input::Joint(k), *v, &o.joint(k).errors));
-        let wheels = wheels.map(|(k, v)| (Input::Wheel(k), *v, &o.wheel(k).errors));
+        let joints = joints.map(|(k, v)| (Input::Joint(k), *v, o.joint(k)));
+        let wheels = wheels.map(|(k, v)| (Input::Wheel(k), *v, o.wheel(k)));
         let (inputs, memory, shares) = noisy(joints.chain(wheels));
         let torque = random_torque.is_some();
         let lasting: usize = o.sensors.iter().map(|r| r.slow.len()).sum();
@@ -252,10 +257,11 @@ impl InputNoise {
         if !active.is_empty() {
             active.extend(STATE..STATE + 2 * internal);
         }
-        // The slope of a wheel's speed is that of speeds about it.
-        let turns = inputs
-            .iter()
-            .any(|(input, _)| matches!(input, Input::Wheel(_)));
+        // The slope of a wheel's speed is that of speeds about it, where it has none of its own.
+        let turns = inputs.iter().any(|(input, _)| match input {
+            Input::Wheel(w) => o.wheel(*w).acceleration.is_empty(),
+            _ => false,
+        });
         let reach = usize::from(turns && o.reads(SensorKind::Accelerometer));
         let lead = active.len() + 3 * usize::from(torque);
         let kept = if silent { 0 } else { 3 * increments };
@@ -346,7 +352,7 @@ impl InputNoise {
                 match *input {
                     Input::Joint(j) => o.joint_position[k * dof + j] += error,
                     Input::Wheel(w) => o.wheel_speed[k * wheels + w] += error * self.share(c, k),
-                    Input::Rate(_) | Input::Acceleration(_) | Input::Slope => {}
+                    Input::Rate(_) | Input::Acceleration(_) | Input::Slope(_) | Input::Step => {}
                 }
             }
         }
@@ -465,7 +471,12 @@ impl InputNoise {
                     let none = FlexibleChange::of_twist(Vector6::zeros());
                     (motion.followed(at, &gain, None), none)
                 }
-                Input::Slope | Input::Acceleration(_) => {
+                Input::Slope(_) => {
+                    at_once.push(Column::zeros());
+                    drive.extend_from_within(c - 1..c);
+                    continue;
+                }
+                Input::Step | Input::Acceleration(_) => {
                     at_once.push(Column::zeros());
                     drive.push(Column::zeros());
                     continue;
@@ -523,7 +534,7 @@ impl InputNoise {
                 let first_moment = &self.slopes.of[*j].first_moment;
                 (dF, dT) = motion.wrench_change(state, instant, k, *j, first_moment);
             }
-            if !matches!(input, Input::Rate(_) | Input::Slope) {
+            if matches!(input, Input::Joint(_) | Input::Wheel(_)) {
                 let dw = self.twists[self.place(c, 0)].fixed_rows::<3>(3).into();
                 dT += motion.drag_change(state, instant, &dw);
             }
@@ -616,7 +627,7 @@ impl InputNoise {
         }
     }
 
-    /// From one grid time to the next, k: `s = Phi s + (h/2) (B e + B_next e_next)`.
+    /// From one grid time to the next, k: `s = Phi s + (h/2) (B e + B_next e_next)`, and of slopes `(h^2/12) (B e - B_next e_next)`.
     fn carry(&mut self, before: &DynamicsJacobian, now: &DynamicsJacobian, h: f64, k: usize) {
         let (n, ahead) = (self.lead, self.reach > 0);
         let stride = self.filter.stride();
@@ -652,15 +663,20 @@ impl InputNoise {
         }
         self.torque_rows(&A, h, &mut upper, &mut torque);
         for (c, memory) in self.memory.iter().enumerate() {
-            // What follows drives nothing.
-            if matches!(memory, Memory::Follows) {
+            let slope = matches!(self.inputs[c].0, Input::Slope(_));
+            if matches!(memory, Memory::Follows) && !slope {
                 let reached = if ahead { 0 } else { self.active.len() };
                 fresh.resize(fresh.len() + reached, 0.0);
                 continue;
             }
+            // A slope goes on with the speed before it.
+            let (first, own, weights) = match slope {
+                true => (c - 1, 1, [h * h / 12.0, -h * h / 12.0]),
+                false => (c, 0, [0.5 * h; 2]),
+            };
             let turn = |row: usize| (now.at_once[c][row] - before.at_once[c][row]) * 0.5;
-            let ends = [before, now].map(|s| {
-                let slow = move |row: usize| s.drive[c][row] * (0.5 * h) - turn(row);
+            let ends = [(before, weights[0]), (now, weights[1])].map(|(s, weight)| {
+                let slow = move |row: usize| s.drive[c][row] * weight - turn(row);
                 let pushed = pushed_by.get(c).map_or_else(Vector6::zeros, |drive| {
                     (lower.fixed_view::<6, 6>(0, 0) * pose_of(&s.at_once[c]) + drive) * (0.5 * h)
                 });
@@ -670,9 +686,10 @@ impl InputNoise {
                 }
             });
             let here = self.place(c, 0);
-            let process = memory.process().and_then(|p| p.step(k - 1));
+            let from = self.place(first, 0);
+            let process = self.memory[first].process().and_then(|p| p.step(k - 1));
             let alone = [memory.alone(k - 1), 0.0, 0.0];
-            let kept = process.map_or(alone, |s| [0, 1, 2].map(|j| s.memory[(0, j)]));
+            let kept = process.map_or(alone, |s| [0, 1, 2].map(|j| s.memory[(own, j)]));
             for (i, &row) in self.active.iter().enumerate() {
                 upper[i * stride + here] += ends[0](row);
                 if ahead {
@@ -680,14 +697,14 @@ impl InputNoise {
                     continue;
                 }
                 for (j, kept) in kept.iter().enumerate().filter(|(_, kept)| **kept != 0.0) {
-                    upper[i * stride + here + j] += kept * ends[1](row);
+                    upper[i * stride + from + j] += kept * ends[1](row);
                 }
                 fresh.push(ends[1](row));
             }
         }
         self.advance(&upper, h, k - 1 + self.reach);
         self.renew_slow(|slow| slow.fresh(h));
-        self.innovate(&fresh, k - 1 + self.reach);
+        self.innovate(&fresh, h, k - 1 + self.reach);
         self.renew(&torque);
         self.scratch = StepScratch {
             upper,
@@ -769,19 +786,20 @@ impl InputNoise {
 
     /// Adds what is new in every error after grid time k, with what it does to the state at once: nothing where it is of a later
     /// time.
-    fn innovate(&mut self, fresh: &[f64], k: usize) {
+    fn innovate(&mut self, fresh: &[f64], h: f64, k: usize) {
         let reached = self.active.len();
         for (c, (_, variance)) in self.inputs.iter().enumerate() {
             let own = self.place(c, self.reach as isize);
-            let at_once = fresh.get(c * reached..(c + 1) * reached).unwrap_or(&[]);
-            let (width, new) = match &self.memory[c] {
+            let slope = matches!(self.inputs.get(c + 1), Some((Input::Slope(_), _)));
+            let of = |count: usize| fresh.get(c * reached..(c + count) * reached);
+            let at_once = of(1 + usize::from(slope)).unwrap_or(&[]);
+            let (width, new, within) = match &self.memory[c] {
                 Memory::Follows => continue,
                 Memory::Process(process) => {
                     let step = process.step(k);
-                    (
-                        process.width(),
-                        step.map_or_else(Square::zeros, |step| step.fresh),
-                    )
+                    let (new, within) = step.map_or_else(Default::default, |s| (s.fresh, s.within));
+                    // What is new moves the state by half an interval.
+                    (process.width(), new, within * 4.0 / (h * h))
                 }
                 Memory::Alone(errors) => {
                     let new = variance * (1.0 - errors.memory(k).powi(2));
@@ -791,10 +809,11 @@ impl InputNoise {
                         reaches.for_each(|(i, once)| self.filter.add_mean(i, once * expected));
                         self.filter.add_mean(own, expected);
                     }
-                    (1, Square::from_diagonal_element(new))
+                    (1, Square::from_diagonal_element(new), 0.0)
                 }
             };
             if new != Square::zeros() {
+                let at_once = (at_once, reached, within);
                 self.filter.add_errors(at_once, (own, width), &new);
             }
         }

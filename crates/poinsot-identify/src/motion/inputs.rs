@@ -327,7 +327,7 @@ fn fill_inputs(
         let speed = |k: usize| o.wheel_speed[k * wheels + j];
         let (a, b) = (speed(k), speed(k + 1));
         input_state.wheels[j] = a + at * (b - a);
-        if o.is_smooth(j, vehicle.wheels_smooth) {
+        if o.turns_evenly(j, vehicle.wheels_smooth) {
             let slope = |k: usize| wheel_slope(o, wheels, j, k);
             let (left, right) = (slope(k), slope(k + 1));
             let (d0, d1) = (left * h - (b - a), right * h - (b - a));

@@ -272,9 +272,12 @@ fn tilt_slopes(parameters: &Parameters, x: &[f64]) -> Vec<Vector3> {
     parameters.unknowns.iter().map(|u| slope(&u.kind)).collect()
 }
 
-/// Slope of a wheel's speed at grid time i, rad/s2: that of the parabola through its neighbours, of the
+/// Slope of a wheel's speed at grid time i, rad/s2: that of the process that it is, or of the parabola through its neighbours, of the
 /// straight line at the ends.
 pub(crate) fn wheel_slope(o: &Observations, wheels: usize, wheel: usize, i: usize) -> f64 {
+    if let Some(known) = o.wheel(wheel).acceleration.get(i) {
+        return *known;
+    }
     let speed = |i: usize| o.wheel_speed[i * wheels + wheel];
     parabola_slope(&o.time_s, speed, i)
 }

@@ -22,6 +22,8 @@ pub struct ErrorStep {
     pub memory: Matrix3<f64>,
     /// Covariance of what is new.
     pub fresh: Matrix3<f64>,
+    /// Variance of the integral of the first error over the step, where the errors at both ends are known.
+    pub within: f64,
 }
 
 impl ErrorStep {
@@ -40,6 +42,7 @@ impl ErrorStep {
         Self {
             memory,
             fresh: (fresh + fresh.transpose()) * 0.5,
+            within: 0.0,
         }
     }
 
@@ -48,6 +51,7 @@ impl ErrorStep {
         Self {
             memory: next.memory * self.memory,
             fresh: next.memory * self.fresh * next.memory.transpose() + next.fresh,
+            within: self.within + next.within,
         }
     }
 
@@ -75,16 +79,20 @@ impl ErrorProcess {
             self.steps
                 .extend(row.chain((0..=i).map(|j| step.fresh[(i, j)])));
         }
+        self.steps.push(step.within);
     }
 
     /// The step from a grid time to the next one.
     pub fn step(&self, k: usize) -> Option<ErrorStep> {
         let n = self.width();
-        let mut numbers = self.steps.chunks_exact(n * (3 * n + 1) / 2).nth(k)?.iter();
+        let count = n * (3 * n + 1) / 2 + 1;
+        let numbers = self.steps.chunks_exact(count).nth(k)?;
         let mut step = ErrorStep {
             memory: Matrix3::zeros(),
             fresh: Matrix3::zeros(),
+            within: numbers[count - 1],
         };
+        let mut numbers = numbers.iter();
         for i in 0..n {
             let mut next = || numbers.next().copied().unwrap_or(0.0);
             (0..n).for_each(|j| step.memory[(i, j)] = next());
@@ -107,6 +115,7 @@ impl ErrorProcess {
         let nothing = ErrorStep {
             memory: Matrix3::identity(),
             fresh: Matrix3::zeros(),
+            within: 0.0,
         };
         let over = |from: usize, to: usize| {
             let steps = (from..to).filter_map(|k| self.step(k));
@@ -114,8 +123,8 @@ impl ErrorProcess {
         };
         let before = over(0, kept.first().copied().unwrap_or(0));
         let initial = ErrorStep {
-            memory: Matrix3::identity(),
             fresh: self.initial,
+            ..nothing
         };
         let steps = kept.windows(2).map(|w| over(w[0], w[1]));
         Self::new(initial.then(&before).fresh, steps)
@@ -167,6 +176,7 @@ mod tests {
             ErrorStep {
                 memory: Matrix3::new(0.8, h, 0.1, -0.1, 0.9, h, 0.0, 0.1, 0.7),
                 fresh,
+                within: 0.0,
             }
         };
         let initial = Matrix3::new(1.0, 0.2, 0.1, 0.2, 2.0, 0.3, 0.1, 0.3, 1.5);

@@ -341,7 +341,8 @@ pub struct InputChannel {
     pub errors: InputErrors,
     /// What is known of its rate.
     pub rate: InputRate,
-    /// Acceleration of a joint at every grid time, rad/s2 or m/s2, where it is a process; empty otherwise.
+    /// Acceleration of a joint, rad/s2 or m/s2, or slope of a wheel's speed, rad/s2, at every grid time, where it is a process; empty
+    /// otherwise.
     pub acceleration: Vec<f64>,
     /// The part of a joint's motion that measured rates make, one row per grid time, where it is a process; empty otherwise.
     pub of_rates: Vec<RateParts>,
@@ -374,7 +375,7 @@ pub enum InputRate {
     Measured,
     /// The speed of the wheel runs straight from grid time to grid time, since its motor torque was measured.
     Straight,
-    /// The same, and its torque changes at random times: its acceleration at a grid time is the mean of both sides.
+    /// The torque of the wheel changes all along: its speed is a cubic with the slope of the process at both ends.
     Random,
 }
 

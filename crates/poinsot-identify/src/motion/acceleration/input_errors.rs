@@ -89,6 +89,10 @@ impl ForceAround<'_, '_> {
     pub fn wheel_weights(&self, wheel: usize) -> [(usize, f64); 3] {
         let o = self.motion.observations;
         let t = &o.time_s;
+        // Of a process, its own slope has an error.
+        if !o.wheel(wheel).acceleration.is_empty() {
+            return [(self.k, 0.0); 3];
+        }
         if o.turns_evenly(wheel, self.motion.vehicle.wheels_smooth) {
             return slope_weights(t, self.k);
         }

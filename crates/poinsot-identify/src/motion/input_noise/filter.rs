@@ -147,22 +147,28 @@ impl Filter {
         }
     }
 
-    /// Adds the covariance of `width` errors from place `own` on, the first of which moves the first components by `first`.
+    /// Adds the covariance of `width` errors from place `own` on. Each error in `moved` moves as many of the first components, and the
+    /// first of them also does so within the interval, with a variance of its own.
     pub(super) fn add_errors(
         &mut self,
-        first: &[f64],
+        (moved, reached, within): (&[f64], usize, f64),
         (own, width): (usize, usize),
         new: &Matrix3,
     ) {
-        for (i, a) in first.iter().enumerate() {
-            let row = self.covariance.row_mut(i).as_flattened_mut();
-            let reached = row.iter_mut().zip(first);
-            reached.for_each(|(p, b)| *p += a * b * new[(0, 0)]);
-            for j in 0..width {
-                row[own + j] += a * new[(0, j)];
-            }
-            for j in 0..width {
-                *self.covariance.at(own + j, i) += a * new[(0, j)];
+        for (m, first) in moved.chunks_exact(reached.max(1)).enumerate() {
+            for (i, a) in first.iter().enumerate() {
+                let row = self.covariance.row_mut(i).as_flattened_mut();
+                for (n, second) in moved.chunks_exact(reached).enumerate() {
+                    let variance = new[(m, n)] + if m + n == 0 { within } else { 0.0 };
+                    let both = row.iter_mut().zip(second);
+                    both.for_each(|(p, b)| *p += a * b * variance);
+                }
+                for j in 0..width {
+                    row[own + j] += a * new[(m, j)];
+                }
+                for j in 0..width {
+                    *self.covariance.at(own + j, i) += a * new[(m, j)];
+                }
             }
         }
         for (i, j) in (0..width).flat_map(|i| (0..width).map(move |j| (i, j))) {

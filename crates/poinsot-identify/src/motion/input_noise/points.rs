@@ -48,7 +48,8 @@ impl InputNoise {
             let here = self.place(c, 0);
             match *input {
                 Input::Joint(j) => slopes[here] += around.input(Moved::Position(j)),
-                Input::Slope => {}
+                Input::Step => {}
+                Input::Slope(j) => slopes[here] += around.input(Moved::WheelRate(j)),
                 Input::Rate(j) => slopes[here] += around.input(Moved::Rate(j)),
                 Input::Acceleration(j) => slopes[here] += around.input(Moved::Acceleration(j)),
                 Input::Wheel(j) => {
@@ -73,7 +74,7 @@ impl InputNoise {
         inputs.filter_map(|(c, (input, _))| match *input {
             Input::Joint(j) => Some((self.place(c, 0), j, 1.0, 0.0)),
             Input::Rate(j) => Some((self.place(c, 0), j, 0.0, 1.0)),
-            Input::Wheel(_) | Input::Acceleration(_) | Input::Slope => None,
+            Input::Wheel(_) | Input::Acceleration(_) | Input::Slope(_) | Input::Step => None,
         })
     }
 
