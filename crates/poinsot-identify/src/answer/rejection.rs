@@ -39,7 +39,7 @@ impl Rejection {
         } = solution.settings;
         let share = solution.explained;
         let unexplained = share.is_some_and(|share| share < LEAST_EXPLAINED);
-        let bad_fit = chi2 > misfit || unexplained;
+        let bad_fit = chi2 > misfit;
         let impossible = (bodies.iter())
             .any(|b| bad_fit && unphysical(b, 0.0) || unphysical(b, contradiction_sigmas))
             || pressed(solution, bad_fit);
@@ -115,12 +115,10 @@ fn unphysical(body: &BodyEstimate, sigmas: f64) -> bool {
     };
     let [a, b, c] = principal.moments_kg_m2;
     let violation = (c - a - b).max(-a);
-    let sigma = body
-        .inertia
-        .iter()
-        .filter_map(|n| n.sigma)
-        .fold(0.0, f64::max);
-    violation > sigmas * sigma
+    // Of numbers that the data leave open there is none.
+    let known = body.inertia.iter().filter_map(|n| n.sigma);
+    let sigma = known.reduce(f64::max);
+    sigma.is_some_and(|sigma| violation > sigmas * sigma)
 }
 
 /// Whether a physical limit is active beyond what noise explains, or active at all if the fit is bad.

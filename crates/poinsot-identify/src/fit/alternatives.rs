@@ -176,11 +176,11 @@ impl<'a> AlternativeFit<'a> {
     /// latter does not explain has another cause, which the diagnosis names.
     pub fn or_random_torque(
         self,
-        driven: Option<&'a Problem<'a>>,
+        driven: Option<(&'a Problem<'a>, BetweenSamples)>,
         explains: impl Fn(&Fitted) -> bool,
     ) -> Self {
-        let found = driven.and_then(|driven| {
-            let experiment = driven_at_random(&self.experiment, driven);
+        let found = driven.and_then(|(driven, wheels)| {
+            let experiment = self.experiment.with_problem(driven).under(wheels);
             let fitted = fit_from(&experiment, self.fitted.at.clone(), ITERATIONS)?;
             Some(Self::new(experiment, fitted))
         });
@@ -213,11 +213,6 @@ impl<'a> AlternativeFit<'a> {
             },
             None => self,
         }
-    }
-
-    /// Whether it is the one with the torque of the wheels as a process.
-    pub fn is_random(&self) -> bool {
-        self.experiment.wheels == BetweenSamples::RandomTorque
     }
 
     /// The same with integration steps as fine as the answer needs, and the error that is left.
@@ -260,9 +255,9 @@ pub(crate) fn random_torque(
     trusted: bool,
 ) -> Option<RandomTorque> {
     let problem = experiment.problem;
-    let cost = |torque: &RandomTorque, wheels: BetweenSamples| {
+    let cost = |torque: &RandomTorque| {
         let problem = torque.problem(problem);
-        let driven = experiment.with_problem(&problem).under(wheels);
+        let driven = experiment.with_problem(&problem).under(torque.wheels);
         Some(least(&driven.linearise(&fitted.at)?) + torque.deviance)
     };
     let anywhere = RandomTorque::new(problem, Changes::Slope)?;
@@ -270,14 +265,8 @@ pub(crate) fn random_torque(
         return Some(anywhere);
     }
     let held = RandomTorque::new(problem, Changes::SlopeAtTimes)?;
-    let [random, straight] = [BetweenSamples::RandomTorque, BetweenSamples::Held];
-    (cost(&anywhere, random)? < cost(&held, straight)?).then_some(anywhere)
-}
-
-/// The experiment with wheels whose torque is a process.
-fn driven_at_random<'b>(experiment: &Experiment<'b>, problem: &'b Problem<'b>) -> Experiment<'b> {
-    let alternative = BetweenSamples::RandomTorque;
-    experiment.with_problem(problem).under(alternative)
+    let better = cost(&anywhere)? < cost(&held)?;
+    Some(if better { anywhere } else { held })
 }
 
 /// -2 ln L at the end of a full step.
