@@ -161,7 +161,8 @@ impl<'a> AlternativeFit<'a> {
         if self.shift <= MATTERS && !rounded {
             return None;
         }
-        let trusted = explains(&self.fitted) && !self.is_sensitive() && !rounded;
+        let sure = self.shift <= self.experiment.settings.sensitivity_sigmas;
+        let trusted = explains(&self.fitted) && sure && !rounded;
         random_torque(&self.experiment, &self.fitted, trusted)
     }
 
@@ -176,11 +177,12 @@ impl<'a> AlternativeFit<'a> {
     /// latter does not explain has another cause, which the diagnosis names.
     pub fn or_random_torque(
         self,
-        driven: Option<(&'a Problem<'a>, BetweenSamples)>,
+        driven: Option<&'a Problem<'a>>,
         explains: impl Fn(&Fitted) -> bool,
     ) -> Self {
-        let found = driven.and_then(|(driven, wheels)| {
-            let experiment = self.experiment.with_problem(driven).under(wheels);
+        let found = driven.and_then(|driven| {
+            let experiment = self.experiment.with_problem(driven);
+            let experiment = experiment.under(BetweenSamples::RandomTorque);
             let fitted = fit_from(&experiment, self.fitted.at.clone(), ITERATIONS)?;
             Some(Self::new(experiment, fitted))
         });
@@ -213,6 +215,11 @@ impl<'a> AlternativeFit<'a> {
             },
             None => self,
         }
+    }
+
+    /// Whether it is the one with the torque of the wheels as a process.
+    pub fn is_random(&self) -> bool {
+        self.experiment.wheels == BetweenSamples::RandomTorque
     }
 
     /// The same with integration steps as fine as the answer needs, and the error that is left.
@@ -255,9 +262,9 @@ pub(crate) fn random_torque(
     trusted: bool,
 ) -> Option<RandomTorque> {
     let problem = experiment.problem;
-    let cost = |torque: &RandomTorque| {
+    let cost = |torque: &RandomTorque, wheels: BetweenSamples| {
         let problem = torque.problem(problem);
-        let driven = experiment.with_problem(&problem).under(torque.wheels);
+        let driven = experiment.with_problem(&problem).under(wheels);
         Some(least(&driven.linearise(&fitted.at)?) + torque.deviance)
     };
     let anywhere = RandomTorque::new(problem, Changes::Slope)?;
@@ -265,8 +272,8 @@ pub(crate) fn random_torque(
         return Some(anywhere);
     }
     let held = RandomTorque::new(problem, Changes::SlopeAtTimes)?;
-    let better = cost(&anywhere)? < cost(&held)?;
-    Some(if better { anywhere } else { held })
+    let [random, straight] = [BetweenSamples::RandomTorque, BetweenSamples::Held];
+    (cost(&anywhere, random)? < cost(&held, straight)?).then_some(anywhere)
 }
 
 /// -2 ln L at the end of a full step.

@@ -5,7 +5,6 @@
 
 use crate::fit::sampled_motion::{Changes, InputSample, InputSamples, rounded};
 use crate::problem::Problem;
-use crate::problem::alternative::BetweenSamples;
 use crate::problem::segment::{
     BetweenReadings, InputChannel, InputErrors, InputRate, Observations, Segment,
 };
@@ -13,8 +12,6 @@ use crate::problem::segment::{
 /// Records in which the torque of every wheel is a process.
 pub(crate) struct RandomTorque {
     pub segments: Vec<Segment>,
-    /// What its wheels do between their samples.
-    pub wheels: BetweenSamples,
     /// -2 ln of the probability density of the tachometers' samples, less a constant.
     pub deviance: f64,
 }
@@ -28,10 +25,6 @@ impl RandomTorque {
             .map(|s| driven_at_random(s, noise, changes))
             .collect::<Option<_>>()?;
         Some(Self {
-            wheels: match changes {
-                Changes::SlopeAtTimes => BetweenSamples::Held,
-                Changes::Slope | Changes::Acceleration => BetweenSamples::RandomTorque,
-            },
             deviance: found.iter().map(|f| f.1).sum(),
             segments: found.into_iter().map(|f| f.0).collect(),
         })

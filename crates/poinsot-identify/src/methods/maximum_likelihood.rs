@@ -134,10 +134,7 @@ pub(super) fn solve_from(
         replaced: false,
         chance: chance(&best.fitted.evaluated, &settings),
     };
-    let wheels = process.as_ref().map(|process| process.wheels);
-    let best = best.or_random_torque(driven.as_ref().zip(wheels), explains);
-    let random = |driven: &Problem| std::ptr::eq(driven, best.experiment.problem);
-    plain.replaced = driven.as_ref().is_some_and(random);
+    let best = best.or_random_torque(driven.as_ref(), explains);
     let smoothed = measured.then(|| best.smoothed(explains)).flatten();
     let (smooth, fitted) = smoothed.map(|s| (s.segments, s.fitted)).unzip();
     let about = smooth.as_ref().map(|s| problem.with_segments(s));
@@ -192,6 +189,7 @@ pub(super) fn solve_from(
     let of_known = |_| ShiftedVehicle::at(taken, &solution.parameters, x);
     let shifted = known.as_ref().and_then(of_known);
     let at = fitted.at.clone();
+    plain.replaced = best.is_random();
     Ok(FinishedFit {
         solution,
         at,

@@ -78,10 +78,9 @@ pub fn held_back(
         process = random_torque(&best.experiment, &best.fitted, explains(&best.fitted));
     }
     let driven = process.as_ref().map(|process| process.problem(&problem));
-    let wheels = process.as_ref().map(|process| process.wheels);
     let AlternativeFit {
         experiment, fitted, ..
-    } = best.or_random_torque(driven.as_ref().zip(wheels), explains);
+    } = best.or_random_torque(driven.as_ref(), explains);
     let (mut findings, mut predictions) = (Vec::new(), Vec::new());
     if let Some(points) = points {
         let found = diagnose(&experiment, &fitted, fitted_numbers(&experiment, &fitted));
