@@ -12,7 +12,7 @@ use crate::solution::solved::Solution;
 use crate::solution::unobservable_set::{ContinuationPath, POINTS, REACH};
 use faer::Mat;
 use nalgebra::{DMatrix, DVector};
-use poinsot_dynamics::{Link, Motion, Tree};
+use poinsot_dynamics::{Link, Motion, SensorError, Tree};
 use poinsot_files::significant;
 use poinsot_model::{EstimateSet, Model, rounded};
 use poinsot_spatial::{InertialParameters, Matrix3, PARAMETER_NAMES, Vector3};
@@ -459,8 +459,16 @@ pub(crate) fn values_along_path(
 fn poor_motion(problem: &Problem, solution: &Solution) -> [String; 2] {
     let mut spread = Matrix3::zeros();
     let mut count = 0.0;
+    // A gyro at rest reads its bias.
+    let bias = Vector3::from_fn(|axis, _| {
+        let error = SensorError::Bias(axis);
+        let sensor = problem.noise.gyro_sensor;
+        let own = sensor.map(|sensor| UnknownKind::Sensor { sensor, error });
+        let place = own.and_then(|kind| solution.parameters.place(&kind));
+        place.map_or(0.0, |k| solution.x[k])
+    });
     for segment in problem.segments {
-        for w in &segment.samples.w_NB_B {
+        for w in segment.samples.w_NB_B.iter().map(|w| w - bias) {
             spread += w * w.transpose();
             count += 1.0;
         }

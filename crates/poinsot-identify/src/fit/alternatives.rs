@@ -161,8 +161,7 @@ impl<'a> AlternativeFit<'a> {
         if self.shift <= MATTERS && !rounded {
             return None;
         }
-        let sure = self.shift <= self.experiment.settings.sensitivity_sigmas;
-        let trusted = explains(&self.fitted) && sure && !rounded;
+        let trusted = explains(&self.fitted) && !self.is_sensitive() && !rounded;
         random_torque(&self.experiment, &self.fitted, trusted)
     }
 

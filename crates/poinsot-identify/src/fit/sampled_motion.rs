@@ -30,7 +30,7 @@ const RANGES: f64 = 30.0;
 const WHITE: f64 = 1.0e-3;
 /// Degrees of freedom of the changes: most are small, as between two manoeuvres, and some large. Measured: docs/validation/pyramid.md.
 const TAILS: f64 = 2.0;
-/// Changes before and after one with which it shares its size.
+/// Intervals before and after one with which its changes share their size.
 const SHARED: usize = 4;
 /// Most renewals of their sizes, which end where none changes by more than the accuracy.
 const RENEWALS: usize = 20;
@@ -136,6 +136,13 @@ impl Changes {
             Self::Acceleration => 3,
         }
     }
+}
+
+/// Standard deviations of changes all along, before each grid time, over that in an interval of typical length.
+pub(crate) fn all_along(time_s: &[f64], typical_s: f64) -> Vec<f64> {
+    let intervals = time_s.windows(2);
+    let intervals = intervals.map(|w| ((w[1] - w[0]) / typical_s).sqrt());
+    std::iter::once(0.0).chain(intervals).collect()
 }
 
 /// Samples of an input on a grid, and when its motion changes.
@@ -632,13 +639,18 @@ impl InputSamples<'_> {
         let mut sizes = vec![size; self.time_s.len()];
         let places = self.changes.iter().enumerate().skip(1);
         let places: Vec<usize> = places.filter(|(_, c)| **c > 0.0).map(|(k, _)| k).collect();
+        let shared = match self.of {
+            // A torque steps; an acceleration goes on.
+            Changes::Slope => SHARED / 2,
+            Changes::SlopeAtTimes | Changes::Acceleration => SHARED,
+        };
         for _ in 0..RENEWALS {
             let found = self.mean(&sizes)?;
             let of = self.of.count() as f64;
             let square = |k: &usize| found.squares[*k] / (of * self.changes[*k].powi(2));
             let own: Vec<f64> = places.iter().map(square).collect();
             let width = |i: usize| {
-                let near = i.saturating_sub(SHARED)..(i + SHARED + 1).min(own.len());
+                let near = i.saturating_sub(shared)..(i + shared + 1).min(own.len());
                 let (count, sum) = (near.len() as f64, own[near].iter().sum::<f64>());
                 (TAILS + sum / (size * size)) / (TAILS + count)
             };
@@ -746,9 +758,7 @@ impl JointMotion {
         if span <= 0.0 {
             return None;
         }
-        let typical = span / (time_s.len() - 1).max(1) as f64;
-        let intervals = time_s.windows(2).map(|w| ((w[1] - w[0]) / typical).sqrt());
-        let changes: Vec<f64> = std::iter::once(0.0).chain(intervals).collect();
+        let changes = all_along(time_s, span / (time_s.len() - 1).max(1) as f64);
         let measured = in_order(positions, rates);
         let of = InputSamples {
             time_s,

@@ -3,7 +3,7 @@
 //! The torque of each wheel changes all along by white noise, of a size that the samples tell ([`InputSamples`]). The mean of the
 //! motion that is left drives the prediction, and its error is a state of the filter.
 
-use crate::fit::sampled_motion::{Changes, InputSample, InputSamples, rounded};
+use crate::fit::sampled_motion::{Changes, InputSample, InputSamples, all_along, rounded};
 use crate::problem::Problem;
 use crate::problem::segment::{
     BetweenReadings, InputChannel, InputErrors, InputRate, Observations, Segment,
@@ -86,9 +86,8 @@ fn changes(o: &Observations, read: &[usize], of: Changes) -> Option<Vec<f64>> {
         return Some(at);
     }
     let span = o.time_s.last()? - o.time_s.first()?;
-    let rate = read.len().checked_sub(1).filter(|n| *n > 0)? as f64 / span;
-    let intervals = o.time_s.windows(2).map(|t| (rate * (t[1] - t[0])).sqrt());
-    Some(std::iter::once(0.0).chain(intervals).collect())
+    let intervals = read.len().checked_sub(1).filter(|n| *n > 0)?;
+    Some(all_along(&o.time_s, span / intervals as f64))
 }
 
 /// The samples of a wheel.

@@ -46,7 +46,8 @@ impl ErrorStep {
         }
     }
 
-    /// This step and the next one as one.
+    /// This step and the next one as one, which leaves out of `within` what is not known of the time between them: thinned records
+    /// lead to an answer, all samples make it.
     fn then(&self, next: &Self) -> Self {
         Self {
             memory: next.memory * self.memory,

@@ -11,6 +11,10 @@ use crate::vehicle::request;
 
 /// Three wheels, two gyros and a star tracker; `tacho` goes to the tachometers.
 fn model(tacho: &str) -> Model {
+    parse_model(&text(tacho), "scout.toml").unwrap()
+}
+
+fn text(tacho: &str) -> String {
     let mut text = r#"
 schema = "poinsot.model/1"
 name = "scout"
@@ -40,7 +44,7 @@ estimate = ["inertia"]
     ] {
         text += &format!("[[sensor]]\nname = \"{name}\"\ntype = \"{kind}\"\n{noise}\n");
     }
-    parse_model(&format!("{text}{tacho}"), "scout.toml").unwrap()
+    format!("{text}{tacho}")
 }
 
 fn case() -> Case {
@@ -90,6 +94,27 @@ fn regress_unknown_biases_of_tachometers_at_rest_converge() {
         );
         assert_ne!(estimate.status, Status::IterationLimit, "{trial}");
         assert!(estimate.iterations < 20, "{trial}: {}", estimate.iterations);
+    }
+}
+
+/// A gyro with a bias, which is found, reads a turn about one axis: the vehicle is at rest all the same.
+#[test]
+fn regress_a_bias_of_the_gyro_is_no_turn_of_the_base() {
+    let fine = "noise_rad_s = 1.0e-5\n";
+    let biased = text("").replace(fine, &format!("{fine}bias = \"estimate\"\n"));
+    let biased = parse_model(&biased, "scout.toml").unwrap();
+    let mut table = simulate_trial(&case(), &model(""), 3).unwrap().table;
+    let fine = table
+        .channels
+        .iter_mut()
+        .filter(|c| c.name.starts_with("fine."));
+    fine.flat_map(|c| &mut c.values).for_each(|w| *w += 3.0e-4);
+    let found = identify_tables(biased, vec![table], &request("auto")).unwrap();
+    let open = found.estimate.identifiability.open;
+    assert!(!open.is_empty());
+    for direction in &open {
+        let at_rest = direction.reason.contains("hardly rotated");
+        assert!(at_rest, "{}", direction.reason);
     }
 }
 
