@@ -22,6 +22,8 @@ const DECISIVE: f64 = 5.0;
 const EXPLAINED: f64 = 0.3;
 /// Residuals below this fraction of the rate count as equal: the resolution of averaged rates.
 const RESOLUTION: f64 = 1e-3;
+/// Largest bias of a gyro, rad/s: that of a cheap one.
+const BIAS: f64 = 5e-3;
 /// Difference of two residuals, as a fraction of the rate, that are one: those of two readings that no motion can tell apart.
 const SAME: f64 = 1e-7;
 /// Most readings of a test that are kept, and named in an error.
@@ -141,6 +143,17 @@ impl ConventionTest {
             }
         }
         Some(())
+    }
+
+    /// Not contradicted where the bias of a gyro explains as much.
+    fn or_offset(mut self, (offset, left): (f64, f64)) -> Self {
+        let lowest = self.good.first().map_or(0.0, |h| h.residual);
+        if self.is_contradicted() && offset < BIAS && left <= 2.0 * lowest {
+            let offset = rounded(offset, 2);
+            let reason = format!("a gyro bias of {offset} rad/s explains the rates as well");
+            self.verdict = Verdict::Undecided { reason };
+        }
+        self
     }
 
     /// Whether another reading fits clearly better than the declared one.
@@ -279,7 +292,8 @@ fn of_attitude(attitude: &[&Channel], gyro: &[&Channel]) -> Option<ConventionTes
         format!("{}..q_w", q.first()?),
         format!("{}..z", rates.first()?),
     ];
-    ConventionTest::of(["attitude", "gyro"], between, "rad/s", &[&pairs], readings)
+    let test = ConventionTest::of(["attitude", "gyro"], between, "rad/s", &[&pairs], readings)?;
+    Some(test.or_offset(pairs.as_declared().offset()))
 }
 
 /// Directions that rest in inertial axes against the first gyro: they turn in the body by the opposite of its rate.

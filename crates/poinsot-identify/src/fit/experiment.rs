@@ -123,14 +123,6 @@ impl<'a> Experiment<'a> {
         self
     }
 
-    /// The same experiment, of which a fit only leads near the answer.
-    pub fn near(self) -> Self {
-        Self {
-            only_near: true,
-            ..self
-        }
-    }
-
     /// The same experiment with another motion of the wheels.
     pub fn under(&self, wheels: BetweenSamples) -> Self {
         Self {

@@ -154,15 +154,10 @@ fn search_once(experiment: &Experiment, starts: &[Iterate]) -> Option<Fitted> {
                 return Some(found);
             }
             // What no motion over a few samples explains is no matter of the start.
-            if share == 0.0 && found.settled {
-                return Some(Fitted {
-                    search: Search::Contradicted,
-                    ..found
-                });
-            }
+            let is_told = share == 0.0 && found.settled;
             return Some(Fitted {
-                search: path.end,
-                converged: false,
+                search: [path.end, Search::Contradicted][usize::from(is_told)],
+                converged: found.converged && is_told,
                 ..found
             });
         }
@@ -214,7 +209,8 @@ fn from_better(experiment: &Experiment, starts: &[Iterate]) -> Option<Fitted> {
 /// End of a fit to a few samples from the better of some starts; `None` where it is not close.
 fn coarse_fit(experiment: &Experiment, starts: &[Iterate], few: &[Segment]) -> Option<Iterate> {
     let problem = experiment.problem.with_segments(few);
-    let few = experiment.with_problem(&problem).near();
+    let mut few = experiment.with_problem(&problem);
+    few.only_near = true;
     let start = *by_cost(&few, starts).first()?;
     let here = few.linearise(start)?;
     let end = levenberg_marquardt(&few, start.clone(), here, ITERATIONS);
@@ -269,17 +265,9 @@ fn follow_on(experiment: &Experiment, starts: &[Iterate], smooths: bool) -> Foll
     let mut settled = false;
     let first = loop {
         if !is_long_enough(experiment, share) {
-            let end = if settled {
-                Search::Contradicted
-            } else {
-                Search::Lost(0.0)
-            };
-            let segments = Vec::new();
-            return Followed {
-                at: None,
-                end,
-                segments,
-            };
+            let end = [Search::Lost(0.0), Search::Contradicted][usize::from(settled)];
+            let (at, segments) = (None, Vec::new());
+            return Followed { at, end, segments };
         }
         let mut found = starts
             .iter()
@@ -340,11 +328,8 @@ fn extend(experiment: &Experiment, (mut at, mut share): (Iterate, f64), smooths:
             _ => break Search::Lost(share),
         }
     };
-    Followed {
-        at: Some(at),
-        end,
-        segments,
-    }
+    let at = Some(at);
+    Followed { at, end, segments }
 }
 
 fn is_long_enough(experiment: &Experiment, share: f64) -> bool {
@@ -369,7 +354,8 @@ fn fit_beginning(experiment: &Experiment, start: &Iterate, share: f64) -> Option
     let is_smoothed = whole.iter().any(|s| s.observations.is_smoothed());
     let fit = |segments: &[Segment]| {
         let problem = experiment.problem.with_segments(segments);
-        let part = experiment.with_problem(&problem).near();
+        let mut part = experiment.with_problem(&problem);
+        part.only_near = true;
         let here = part.linearise(start)?;
         let end = levenberg_marquardt(&part, start.clone(), here, ARC_ITERATIONS);
         let as_declared = part.declared_chance(&end.at) > part.settings.false_alarm;

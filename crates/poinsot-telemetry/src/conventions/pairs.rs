@@ -27,6 +27,8 @@ pub(crate) struct Sums {
     pub aa: f64,
     pub gg: f64,
     pub cross: [[f64; 3]; 3],
+    /// Of the rates of the gyro less those of the attitude, as both are read.
+    pub apart: [f64; 3],
 }
 
 impl Sums {
@@ -45,6 +47,13 @@ impl Sums {
     pub(crate) fn residual(&self, factor: f64, axes: Axes) -> f64 {
         let square = self.aa - 2.0 * factor * self.along(axes) + factor * factor * self.gg;
         (square.max(0.0) / self.n).sqrt()
+    }
+
+    /// Mean of the difference of both as they are read, and the residual without it.
+    pub(super) fn offset(&self) -> (f64, f64) {
+        let square = self.apart.iter().map(|d| (d / self.n).powi(2)).sum::<f64>();
+        let left = self.residual(1.0, Axes::IDENTITY).powi(2) - square;
+        (square.sqrt(), left.max(0.0).sqrt())
     }
 }
 
@@ -125,6 +134,7 @@ impl Pairs {
             aa: 0.0,
             gg: 0.0,
             cross: [[0.0; 3]; 3],
+            apart: [0.0; 3],
         };
         for t in &self.turns {
             let change = match self.is_attitude {
@@ -134,6 +144,8 @@ impl Pairs {
             let rate = change.map(|c| c / t.dt);
             sums.aa += rate.iter().map(|a| a * a).sum::<f64>();
             sums.gg += t.rate.iter().map(|g| g * g).sum::<f64>();
+            let apart = sums.apart.iter_mut().zip(t.rate).zip(rate);
+            apart.for_each(|((apart, g), a)| *apart += g - a);
             for (row, a) in sums.cross.iter_mut().zip(rate) {
                 for (c, g) in row.iter_mut().zip(t.rate) {
                     *c += a * g;

@@ -182,7 +182,7 @@ struct Tally {
 impl Tally {
     fn of(record: &Record, row: &Row, trials: u64) -> Self {
         let mut all = Self::default();
-        for trial in 0..trials {
+        for trial in tables::first()..tables::first() + trials {
             let mut table = record.table(trial);
             (row.spoil)(&mut table);
             let answer = record.ask(&table, false);

@@ -1,5 +1,5 @@
-//! Tables of `docs/validation`, printed by the tests that judge them. `POINSOT_TRIALS` sets the trials of a row,
-//! `POINSOT_ROW` selects the rows that contain this text.
+//! Tables of `docs/validation`, printed by the tests that judge them. `POINSOT_TRIALS` sets the trials of a row, `POINSOT_FIRST`
+//! the number of the first, `POINSOT_ROW` selects the rows that contain this text.
 
 use std::fmt::Display;
 use std::str::FromStr;
@@ -11,6 +11,10 @@ fn variable<T: FromStr>(name: &str) -> Option<T> {
 
 pub fn trials(otherwise: u64) -> u64 {
     variable("POINSOT_TRIALS").unwrap_or(otherwise)
+}
+
+pub fn first() -> u64 {
+    variable("POINSOT_FIRST").unwrap_or(0)
 }
 
 pub fn wanted(row: &str) -> bool {

@@ -110,6 +110,22 @@ fn exact_the_declared_convention_fits_and_only_it() {
     assert!(test.readings[0].residual < 1e-3, "{test}");
 }
 
+/// At slow spin a bias of the gyro can look like exchanged axes; a motion that changes tells them apart.
+#[test]
+fn exact_a_gyro_bias_is_no_convention() {
+    let mut rows = tumble(1200, 0.1, 2e-4);
+    noisy(&mut rows, 1e-6, 1e-6);
+    for (_, [x, y, _]) in &mut rows {
+        (*x, *y) = (*x + 1e-4, *y - 1e-4);
+    }
+    let test = convention_tests(&table(&rows, 0.1)).remove(0);
+    let of_bias =
+        matches!(&test.verdict, Verdict::Undecided { reason } if reason.contains("gyro bias"));
+    assert!(of_bias, "{test}");
+    assert!(check_conventions(&table(&rows, 0.1)).is_ok());
+    assert!(told(|q, [x, y, z]| (q, [y, x, z])).is_contradicted());
+}
+
 #[test]
 fn exact_every_wrong_convention_is_named() {
     let deg = 180.0 / std::f64::consts::PI;
