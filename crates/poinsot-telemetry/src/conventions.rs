@@ -22,8 +22,8 @@ const DECISIVE: f64 = 5.0;
 const EXPLAINED: f64 = 0.3;
 /// Residuals below this fraction of the rate count as equal: the resolution of averaged rates.
 const RESOLUTION: f64 = 1e-3;
-/// Largest bias of a gyro, rad/s: that of a cheap one.
-const BIAS: f64 = 5e-3;
+/// Largest bias of a gyro, rad/s: 0.3 deg/s, that of a cheap one when it is turned on.
+pub(crate) const BIAS: f64 = 5e-3;
 /// Difference of two residuals, as a fraction of the rate, that are one: those of two readings that no motion can tell apart.
 const SAME: f64 = 1e-7;
 /// Most readings of a test that are kept, and named in an error.

@@ -2,7 +2,7 @@
 
 use super::runs::{Sensor, noise_is_visible, repeats, runs};
 use super::{Check, Finding};
-use crate::{Channel, Table};
+use crate::{Channel, Table, conventions::BIAS};
 
 /// Number of equal consecutive samples that excludes chance in a noisy sensor.
 const LONG: usize = 8;
@@ -140,12 +140,13 @@ fn rests_alone(
     if !sensor.is_attitude || long.is_empty() || others as f64 >= CHANCE * samples as f64 {
         return None;
     }
-    let whole = mean(&[(0, samples)]);
-    let held: Vec<(usize, usize)> = long
-        .into_iter()
-        .filter(|r| mean(&[*r]) > TURNS * whole)
-        .collect();
-    let stuck: Vec<usize> = held.iter().flat_map(|&(k, n)| k + 1..k + n).collect();
+    // Without other samples a bias of the gyro is no turn.
+    let least = match long.len() == all.len() {
+        true => BIAS,
+        false => TURNS * mean(&[(0, samples)]),
+    };
+    let held = long.into_iter().filter(|r| mean(&[*r]) > least);
+    let stuck: Vec<usize> = held.flat_map(|(k, n)| k + 1..k + n).collect();
     let text = format!(
         "all four numbers repeat exactly {LONG} times or more while the gyro turns: the sensor holds its last value"
     );

@@ -138,6 +138,25 @@ fn exact_an_attitude_that_holds_while_the_gyro_turns_is_found() {
     assert_eq!(record(false), None);
 }
 
+/// A tracker that shows one attitude all along: the vehicle rests where the gyro reads no more than a bias.
+#[test]
+fn exact_an_attitude_that_never_changes_may_be_at_rest() {
+    let held = |rate: f64| {
+        let mut text = String::from("time_s,q_x,q_y,q_z,q_w,omega_x,omega_y,omega_z\n");
+        for k in 0..400 {
+            text.push_str(&format!(
+                "{},0.6,0,0,0.8,{},0,0\n",
+                0.1 * f64::from(k),
+                rate + 1.0e-4 * noise(k as usize)
+            ));
+        }
+        let table = read_text(text, &ReadOptions::default()).unwrap();
+        names(&table).into_iter().any(|n| n.0 == Check::Held)
+    };
+    assert!(!held(2.0e-4));
+    assert!(held(0.1));
+}
+
 #[test]
 fn exact_policies_do_what_they_say() {
     let faulty = || gyro(|k, [x, y, z]| [if k % 50 == 7 { x + 0.5 } else { x }, y, z]);
