@@ -23,6 +23,8 @@ const THICKNESS: f64 = 1.0e-3;
 const PRINTED: f64 = 1.0e-9;
 /// Share that an unobservable direction may have in a body that it does not change.
 const UNCHANGED: f64 = 1.0e-6;
+/// Share of what a free step could lower chi-square by that round-off may raise it.
+const UNSOLVED: f64 = 1.0e-6;
 /// Weight of unobservable directions over that of the weakest identified one: they follow the others and cost nothing.
 const OPEN: f64 = 1.0e-4;
 
@@ -168,12 +170,13 @@ impl PhysicalBodies {
             return (vec![0.0; n], f64::NAN);
         };
         let y: Vec<f64> = (0..n).map(|k| target[k] + u[k] / weight[k]).collect();
-        let lowered = along
-            .iter()
-            .zip(&spectrum.singular)
-            .zip(&y)
-            .map(|((b, s), y)| b * b - (b - s * y).powi(2))
-            .sum();
+        let each = along.iter().zip(&spectrum.singular).zip(&y);
+        let lowered = each.map(|((b, s), y)| b * b - (b - s * y).powi(2)).sum();
+        let most: f64 = along.iter().map(|b| b * b).sum();
+        // No step at all raises nothing: one that does solves nothing.
+        if lowered < -UNSOLVED * most && self.contain(x) {
+            return (vec![0.0; n], f64::NAN);
+        }
         let step = (0..n)
             .map(|i| (0..n).map(|k| spectrum.directions[(i, k)] * y[k]).sum())
             .collect();

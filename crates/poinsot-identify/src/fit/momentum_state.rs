@@ -12,7 +12,7 @@ use crate::problem::ProblemError;
 use crate::problem::refusal::no_motion;
 use poinsot_solve::{End, LeastSquares, Linearised, Minimum, Spectrum, levenberg_marquardt};
 
-/// Share of the cost that a full step may still promise where the cost is known well enough to contradict a model.
+/// Share of a misfit that a full step may still promise where it is known well enough to contradict a model.
 const SETTLED: f64 = 1.0e-2;
 /// Fits from near a point, where the bodies are physical, in at most `limit` iterations.
 pub(crate) fn fit_near(experiment: &Experiment, mut at: Iterate, limit: usize) -> Option<Fitted> {
@@ -72,9 +72,10 @@ pub(crate) enum Search {
     Lost(f64),
 }
 
-/// Whether no step lowers the cost by more than a negligible share.
+/// Whether no step lowers the misfit, what the cost is more than its expectation, by more than a negligible share.
 pub(super) fn is_settled(end: &Minimum<Iterate, Linearisation>) -> bool {
-    end.here.predicted_reduction < SETTLED * end.here.cost.max(1.0)
+    let rows: usize = end.here.rows.evaluated.iter().map(|e| e.rows).sum();
+    end.here.predicted_reduction < SETTLED * (end.here.cost - rows as f64).max(1.0)
 }
 
 /// Where the iteration ended.
