@@ -56,6 +56,8 @@ pub(crate) struct Experiment<'a> {
     pub known: Option<Arc<KnownColumns>>,
     /// Whether a fit only leads near an answer.
     pub only_near: bool,
+    /// Whether the readings of a beginning count little at first.
+    pub tempers: bool,
     /// How many times as large as declared a mean square of white noise in the readings is taken to be where a search judges
     /// whether a start is far; 1 as declared.
     pub scatter: f64,
@@ -103,6 +105,7 @@ impl<'a> Experiment<'a> {
             fineness: Fineness::default(),
             known: None,
             only_near: false,
+            tempers: false,
             scatter: 1.0,
             keep_rows: false,
             smooth_inputs: false,
@@ -290,7 +293,7 @@ impl<'a> Experiment<'a> {
         let readings: f64 = evaluated.iter().map(|e| e.cost).sum();
         let calibration = prior::calibration(self.problem, self.parameters, &at.x).chi2;
         let design = prior::design(self.problem, self.parameters, &at.x)?.chi2;
-        Some(readings + calibration + design)
+        Some(readings + (calibration + design) / self.weight)
     }
 
     /// Chance that some number is as far from what is declared of it as the farthest one here, at most (Bonferroni).

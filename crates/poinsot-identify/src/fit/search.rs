@@ -18,18 +18,20 @@ use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::momentum_state::{Fitted, Search, fit_from, fit_on, is_settled};
 use crate::fit::part_of_record::{FEW, beginning, thinned};
 use crate::fit::smoothed_inputs::{SmoothedInputs, smoothed};
-use crate::fit::step::{ITERATIONS, moved, physical_bodies};
+use crate::fit::step::{ITERATIONS, Linearisation, moved, physical_bodies};
 use crate::problem::ProblemError;
 use crate::problem::refusal::no_motion;
 use crate::problem::segment::Segment;
 use crate::problem::settings::Coordinates;
 use poinsot_model::{Model, Prior};
-use poinsot_solve::{LeastSquares, Linearised, levenberg_marquardt};
+use poinsot_solve::{LeastSquares, Linearised, Minimum, levenberg_marquardt};
 
 /// Smallest reduction of the grid for a coarse fit.
 const WORTH: usize = 4;
 /// Iterations for one beginning: a near start needs five.
 const ARC_ITERATIONS: usize = 12;
+/// Factor by which the readings of a beginning count more from fit to fit.
+const HARDER: f64 = 100.0;
 /// Share of the record by which the first beginning is shortened until a start explains it.
 const SHORTER: f64 = 0.25;
 /// Fewest grid times of a beginning: what no motion over so few explains is no matter of the start.
@@ -242,20 +244,18 @@ struct Followed {
     segments: Vec<Segment>,
 }
 
-/// Follows the record from its longest beginning that a start explains; where that does not lead to its end, with what a
-/// beginning does not tell held about the nominal numbers. First steps from far away carry it off: the scale of a tensor before
-/// the first pulse.
+/// Follows the record from its longest beginning that a start explains, with what a beginning does not tell held about the nominal
+/// numbers: first steps from far away carry it off, as the scale of a tensor before the first pulse. Whether the model explains a record
+/// that this does not lead through is judged without.
 fn follow(experiment: &Experiment, starts: &[Iterate]) -> Followed {
-    let free = follow_on(experiment, starts, false);
-    if free.end == Search::Whole {
-        return free;
-    }
     let model = loosely_known(experiment.problem.model);
     let problem = experiment.problem.with_model(&model);
-    let held = follow_on(&experiment.with_problem(&problem), starts, false);
-    match held.end {
-        Search::Whole => held,
-        _ => free,
+    let mut held = experiment.with_problem(&problem);
+    held.tempers = true;
+    let led = follow_on(&held, starts, false);
+    match led.end {
+        Search::Whole => led,
+        _ => follow_on(experiment, starts, false),
     }
 }
 
@@ -356,8 +356,7 @@ fn fit_beginning(experiment: &Experiment, start: &Iterate, share: f64) -> Option
         let problem = experiment.problem.with_segments(segments);
         let mut part = experiment.with_problem(&problem);
         part.only_near = true;
-        let here = part.linearise(start)?;
-        let end = levenberg_marquardt(&part, start.clone(), here, ARC_ITERATIONS);
+        let end = tempered(&mut part, start, share)?;
         let as_declared = part.declared_chance(&end.at) > part.settings.false_alarm;
         Some(Beginning {
             explains: part.is_close(&end.here) && as_declared,
@@ -368,6 +367,35 @@ fn fit_beginning(experiment: &Experiment, start: &Iterate, share: f64) -> Option
     let few = few_samples(&whole).filter(|_| !is_smoothed);
     let few = few.and_then(|few| fit(&few));
     few.filter(|f| f.explains).or_else(|| fit(&whole))
+}
+
+/// The end of a fit, or of a row of fits in which readings count as little at first as their misfit asks. Readings far more exact than the
+/// first prediction make a curved valley, along which no step leads far.
+fn tempered(
+    part: &mut Experiment,
+    start: &Iterate,
+    share: f64,
+) -> Option<Minimum<Iterate, Linearisation>> {
+    let here = part.linearise(start)?;
+    if !part.tempers {
+        let end = levenberg_marquardt(part, start.clone(), here, ARC_ITERATIONS);
+        return Some(end);
+    }
+    let rows: usize = here.rows.evaluated.iter().map(|e| e.rows).sum();
+    part.weight = (rows as f64 / here.cost).min(1.0);
+    // Those of a short beginning cost less.
+    let more = ARC_ITERATIONS as f64 * SHORTER / share;
+    let limit = (more as usize).clamp(ARC_ITERATIONS, ITERATIONS);
+    let mut at = start.clone();
+    loop {
+        let here = part.linearise(&at)?;
+        let end = levenberg_marquardt(part, at, here, limit);
+        if part.weight >= 1.0 {
+            return Some(end);
+        }
+        part.weight = (part.weight * HARDER).min(1.0);
+        at = end.at;
+    }
 }
 
 /// A few samples of a record; `None` where that saves little.

@@ -97,7 +97,7 @@ impl LeastSquares for Experiment<'_> {
         left: f64,
     ) -> Option<Linearised<Linearisation>> {
         if self.only_near {
-            let near = left <= NEAR;
+            let near = self.weight * left <= NEAR;
             return near.then(|| self.promised(at, here, step)).flatten();
         }
         if left > LEFT || self.keep_rows || !known_columns_last(self, at, &step.to) {
