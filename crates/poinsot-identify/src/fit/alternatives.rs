@@ -9,7 +9,8 @@
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::momentum_state::{Fitted, fit_from, fit_on};
 use crate::fit::sampled_motion::Changes;
-use crate::fit::smoothed_inputs::SmoothedInputs;
+use crate::fit::search::{fit, fit_about_smoothed};
+use crate::fit::smoothed_inputs::{SmoothedInputs, is_biased};
 use crate::fit::step::{ITERATIONS, Linearisation, moved};
 use crate::fit::step_error::{StepError, within_steps};
 use crate::fit::wheel_torque::RandomTorque;
@@ -132,7 +133,8 @@ impl<'a> AlternativeFit<'a> {
     /// The better of the fits with constant torque, which this is, and with smooth speeds. The difference of both answers shows
     /// whether the wheels are sampled often enough.
     pub fn or_smooth_wheels(mut self) -> Self {
-        let Some(smooth) = with_smooth_wheels(&self.experiment) else {
+        let smooth = with_smooth_wheels(&self.experiment);
+        let Some(smooth) = smooth.filter(|_| self.fitted.is_found()) else {
             return self;
         };
         let cost = self.cost();
@@ -154,15 +156,20 @@ impl<'a> AlternativeFit<'a> {
         self
     }
 
-    /// The torque of the wheels as a process, where it may change the answer. `explains` says whether a fit explains the
+    /// The torque of the wheels as a process, where it may change the answer, or where their noise would bias a fit along measured
+    /// speeds or let none converge. `explains` says whether a fit explains the
     /// record.
     pub fn wheel_process(&self, explains: impl Fn(&Fitted) -> bool) -> Option<RandomTorque> {
-        let rounded = rounding_lasts(self.experiment.problem);
-        if self.shift <= MATTERS && !rounded {
+        let fitted = &self.fitted;
+        let lost = !fitted.converged && self.experiment.has_noisy_inputs();
+        let noisy = lost
+            || rounding_lasts(self.experiment.problem)
+            || is_biased(&self.experiment, fitted) == Some(true);
+        if self.shift <= MATTERS && !noisy {
             return None;
         }
-        let trusted = explains(&self.fitted) && !self.is_sensitive() && !rounded;
-        random_torque(&self.experiment, &self.fitted, trusted)
+        let trusted = explains(fitted) && !self.is_sensitive() && !noisy;
+        random_torque(&self.experiment, fitted, trusted)
     }
 
     /// Whether it depends on how wheels run between samples that are rarer than those of other sensors.
@@ -182,10 +189,16 @@ impl<'a> AlternativeFit<'a> {
         let found = driven.and_then(|driven| {
             let experiment = self.experiment.with_problem(driven);
             let experiment = experiment.under(BetweenSamples::RandomTorque);
-            let fitted = fit_from(&experiment, self.fitted.at.clone(), ITERATIONS)?;
+            let fitted = match self.fitted.converged {
+                true => fit_from(&experiment, self.fitted.at.clone(), ITERATIONS)?,
+                false => fit(&experiment, None).ok()?,
+            };
             Some(Self::new(experiment, fitted))
         });
-        let better = |found: &Self| found.fitted.converged && found.cost() < self.cost();
+        let better = |found: &Self| {
+            let lower = !self.fitted.converged || found.cost() < self.cost();
+            found.fitted.converged && lower
+        };
         match found.filter(|found| better(found) && explains(&found.fitted)) {
             Some(mut found) => {
                 let there = self.experiment.linearise(&found.fitted.at);
@@ -196,10 +209,17 @@ impl<'a> AlternativeFit<'a> {
         }
     }
 
-    /// The same about smoothed inputs, where noise in the measured ones would bias it; a misfit is looked at along the inputs as
+    /// The same about smoothed inputs, where noise in the measured ones would bias it or lets it not converge; a misfit is looked at along the inputs as
     /// they were measured.
-    pub fn smoothed(&self, explains: impl Fn(&Fitted) -> bool) -> Option<SmoothedInputs> {
-        let trusted = self.fitted.converged && explains(&self.fitted);
+    pub fn smoothed(
+        &self,
+        explains: impl Fn(&Fitted) -> bool,
+        linear: Option<&Iterate>,
+    ) -> Option<SmoothedInputs> {
+        if !self.fitted.converged {
+            return fit_about_smoothed(&self.experiment, linear);
+        }
+        let trusted = explains(&self.fitted);
         let found = trusted.then(|| SmoothedInputs::new(&self.experiment, &self.fitted));
         found.flatten()
     }

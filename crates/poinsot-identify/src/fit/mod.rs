@@ -17,5 +17,5 @@ pub(crate) mod triangle;
 pub(crate) mod wheel_torque;
 
 pub(crate) use momentum_state::{Fitted, Search, fit_from, fit_near, fit_on, fit_starts};
-pub(crate) use search::{fit, fit_about_smoothed, fit_along};
+pub(crate) use search::{fit, fit_along};
 pub(crate) use step::ITERATIONS;

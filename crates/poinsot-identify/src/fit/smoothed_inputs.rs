@@ -44,8 +44,7 @@ pub(crate) struct SmoothedInputs {
 impl SmoothedInputs {
     /// From a fit along measured inputs; `None` where its bias is small in what the data determine well.
     pub fn new(experiment: &Experiment, fitted: &Fitted) -> Option<Self> {
-        let told = judged(experiment, &fitted.spectrum);
-        if bias(experiment, &fitted.at, (&fitted.evaluated, &told))? < SMALL {
+        if !is_biased(experiment, fitted)? {
             return None;
         }
         let segments = experiment.problem.segments;
@@ -80,6 +79,12 @@ impl SmoothedInputs {
         }
         None
     }
+}
+
+/// Whether noise of inputs biases what the data determine well; `None` without noise.
+pub(super) fn is_biased(experiment: &Experiment, fitted: &Fitted) -> Option<bool> {
+    let told = judged(experiment, &fitted.spectrum);
+    Some(bias(experiment, &fitted.at, (&fitted.evaluated, &told))? >= SMALL)
 }
 
 /// What the data determine well, where predictions are linear.

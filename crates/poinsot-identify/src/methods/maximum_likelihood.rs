@@ -17,7 +17,7 @@ use crate::fit::part_of_record::beginning;
 use crate::fit::profile::profiled;
 use crate::fit::step_error::StepError;
 use crate::fit::triangle::conditional_estimate;
-use crate::fit::{Fitted, Search, fit, fit_about_smoothed};
+use crate::fit::{Fitted, Search, fit};
 use crate::likelihood::{
     ChannelResidual, Evaluated, InitialState, InitialStateColumns, MeasuredMotion,
 };
@@ -116,18 +116,8 @@ pub(super) fn solve_from(
         fit(&experiment, start.as_ref())?,
         start.as_ref(),
     );
-    let known = || fit_known(&experiment, &first).filter(|known| known.fitted.converged);
-    let followed = (!first.converged).then(|| fit_about_smoothed(&experiment, start.as_ref()));
-    let (followed, end) = followed.flatten().map(|s| (s.segments, s.fitted)).unzip();
-    if followed.is_none() && !first.is_found() && known().is_none() {
-        return Ok(FinishedFit::lost(&experiment, &first));
-    }
-    let along = followed.as_ref().map(|s| problem.with_segments(s));
-    let best = AlternativeFit::new(experiment, first)
-        .about(along.as_ref().zip(end))
-        .or_smooth_wheels();
-    let measured = along.is_none();
-    let process = measured.then(|| best.wheel_process(explains)).flatten();
+    let best = AlternativeFit::new(experiment, first).or_smooth_wheels();
+    let process = best.wheel_process(explains);
     let driven = process.as_ref().map(|process| process.problem(problem));
     let mut plain = PlainFit {
         wheels: best.experiment.wheels,
@@ -135,10 +125,17 @@ pub(super) fn solve_from(
         chance: chance(&best.fitted.evaluated, &settings),
     };
     let best = best.or_random_torque(driven.as_ref(), explains);
-    let smoothed = measured.then(|| best.smoothed(explains)).flatten();
-    let (smooth, fitted) = smoothed.map(|s| (s.segments, s.fitted)).unzip();
+    let (smooth, fitted) = (best.smoothed(explains, start.as_ref()))
+        .map(|s| (s.segments, s.fitted))
+        .unzip();
     let about = smooth.as_ref().map(|s| problem.with_segments(s));
-    let (best, step_error) = best.about(about.as_ref().zip(fitted)).within_steps();
+    let best = best.about(about.as_ref().zip(fitted));
+    let (tried, end) = (&best.experiment, &best.fitted);
+    let known = || fit_known(tried, end).filter(|known| known.fitted.converged);
+    if !end.is_found() && known().is_none() {
+        return Ok(FinishedFit::lost(tried, end));
+    }
+    let (best, step_error) = best.within_steps();
 
     // The known numbers within their uncertainty, and what explains a misfit.
     let known = fit_known(&best.experiment, &best.fitted);
@@ -196,9 +193,7 @@ pub(super) fn solve_from(
         shifted,
         cost: best.experiment.cost_of(&best.fitted),
         plain,
-        segments: smooth
-            .or(process.filter(|_| plain.replaced).map(|p| p.segments))
-            .or(followed),
+        segments: smooth.or(process.filter(|_| plain.replaced).map(|p| p.segments)),
     })
 }
 
