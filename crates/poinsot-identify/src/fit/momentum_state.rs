@@ -5,10 +5,13 @@
 //! not move. A damped step also damps what is eliminated.
 
 use crate::fit::experiment::{Experiment, Iterate};
-use crate::fit::step::{BoundaryBodies, Linearisation, held, linearised, moved, physical_bodies};
+use crate::fit::step::{
+    BoundaryBodies, Linearisation, NEAR, held, linearised, moved, physical_bodies,
+};
 use crate::fit::triangle::SharedTriangle;
 use crate::likelihood::{ChannelResidual, Evaluated};
 use crate::problem::ProblemError;
+use crate::problem::alternative::BetweenSamples;
 use crate::problem::refusal::no_motion;
 use poinsot_solve::{End, LeastSquares, Linearised, Minimum, Spectrum, levenberg_marquardt};
 
@@ -129,6 +132,9 @@ fn fitted(
     // What an integration error may change the answer by, in sigmas widened by the misfit; and what a step ignores.
     let left = experiment.settings.integration.answer_sigmas;
     let near = left.powi(2) * (here.cost / rows.max(1) as f64).max(1.0) + here.slack;
+    // A step ignores that the covariance moves: where none lowers the cost of a law of the inputs, that is at its minimum.
+    let lowest = end == End::NoLowerCost && experiment.wheels == BetweenSamples::RandomTorque;
+    let limit = if lowest { near.max(NEAR) } else { near };
     Ok(Fitted {
         explains: experiment.expects(chi2, &linearisation.evaluated),
         held: held(experiment, &at, &linearisation),
@@ -140,7 +146,7 @@ fn fitted(
         iterations,
         costs,
         // Steps end where evaluations differ by more than the steps lower the cost: near the minimum, not at it.
-        converged: end == End::Converged || here.predicted_reduction < near,
+        converged: end == End::Converged || here.predicted_reduction < limit,
         settled,
         search: Search::Whole,
     })

@@ -22,7 +22,7 @@ const CONVERGED_BELOW: f64 = 1.0e-8;
 const LEFT: f64 = 1.0e-6;
 /// Fall of chi-square by a full step, one sigma, below which columns of known numbers are made where they are used, since older
 /// ones may lead away from the answer, and a fit that only leads near it ends without a look where its last step led.
-const NEAR: f64 = 1.0;
+pub(crate) const NEAR: f64 = 1.0;
 /// Share of chi-square by which two evaluations may differ.
 const ROUND_OFF: f64 = 1.0e-12;
 /// Allowed increase of the cost over a step if input noise makes the covariance depend on the unknowns. The
