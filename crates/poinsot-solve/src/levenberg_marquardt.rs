@@ -78,7 +78,8 @@ pub struct Linearised<Rows> {
     pub cost: f64,
     /// Round-off difference of two evaluations of the cost.
     pub round_off: f64,
-    /// Allowed increase of the cost over a step: at least the round-off, more if the step ignores a part of the cost.
+    /// Allowed increase of the cost over a step, where the full step promises less: at least the round-off, more if the step ignores a
+    /// part of the cost.
     pub slack: f64,
     /// Predicted reduction of the cost by the full step.
     pub predicted_reduction: f64,

@@ -156,13 +156,11 @@ impl<'a> AlternativeFit<'a> {
         self
     }
 
-    /// The torque of the wheels as a process, where it may change the answer, or where their noise would bias a fit along measured
-    /// speeds or let none converge. `explains` says whether a fit explains the
-    /// record.
+    /// The torque of the wheels as a process, where it may change the answer, or where no fit along measured speeds converges or their
+    /// noise would bias it. `explains` says whether a fit explains the record.
     pub fn wheel_process(&self, explains: impl Fn(&Fitted) -> bool) -> Option<RandomTorque> {
         let fitted = &self.fitted;
-        let lost = !fitted.converged && self.experiment.has_noisy_inputs();
-        let noisy = lost
+        let noisy = !fitted.converged
             || rounding_lasts(self.experiment.problem)
             || is_biased(&self.experiment, fitted) == Some(true);
         if self.shift <= MATTERS && !noisy {
@@ -209,8 +207,8 @@ impl<'a> AlternativeFit<'a> {
         }
     }
 
-    /// The same about smoothed inputs, where noise in the measured ones would bias it or lets it not converge; a misfit is looked at along the inputs as
-    /// they were measured.
+    /// The same about smoothed inputs, where it does not converge along the measured ones, or their noise would bias it; a misfit is
+    /// looked at along the inputs as they were measured.
     pub fn smoothed(
         &self,
         explains: impl Fn(&Fitted) -> bool,

@@ -4,12 +4,13 @@
 //! explain the record, the start is too far: the prediction leaves the range in which it is linear in the unknowns, and
 //! chi-square has many minima (a phase of nutation that is wrong by turns). The record is then followed: its longest beginning
 //! that a start explains is fitted, and extended by a factor as long as the prediction of each fit leads to the next one
-//! (a homotopy in the length of the record; Voss, Timmer and Kurths 2004 extend by multiple shooting). A beginning that the
+//! (a homotopy in the length of the record; Voss, Timmer and Kurths 2004 extend by multiple shooting). Readings of a beginning
+//! count as little at first as their misfit asks, and more from fit to fit. A beginning that the
 //! model cannot explain although the fit converged contradicts the model; one at which the fit does not converge ends the
 //! search without an answer.
 //!
 //! Where the motion is unstable, the noise of measured inputs carries the prediction off with time, however good the numbers
-//! are. A record along which no fit converges is followed once more about inputs that all sensors smooth, beginning by beginning.
+//! are. A record along which no fit converges, with the torque of its wheels as a process neither, is followed once more about inputs that all sensors smooth, beginning by beginning.
 //!
 //! The first steps need not be exact: a few samples lead as close in a fraction of the time.
 
@@ -30,7 +31,7 @@ use poinsot_solve::{LeastSquares, Linearised, Minimum, levenberg_marquardt};
 const WORTH: usize = 4;
 /// Iterations for one beginning: a near start needs five.
 const ARC_ITERATIONS: usize = 12;
-/// Factor by which the readings of a beginning count more from fit to fit.
+/// Factor by which the readings of a beginning count more from fit to fit: the fits of a fast spin take two iterations each.
 const HARDER: f64 = 100.0;
 /// Share of the record by which the first beginning is shortened until a start explains it.
 const SHORTER: f64 = 0.25;

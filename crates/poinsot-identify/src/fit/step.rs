@@ -21,12 +21,14 @@ const CONVERGED_BELOW: f64 = 1.0e-8;
 /// sigma.
 const LEFT: f64 = 1.0e-6;
 /// Fall of chi-square by a full step, one sigma, below which columns of known numbers are made where they are used, since older
-/// ones may lead away from the answer, and a fit that only leads near it ends without a look where its last step led.
+/// ones may lead away from the answer, a fit that only leads near it ends without a look where its last step led, and one along a
+/// process of the inputs has converged where no step lowers the cost.
 pub(crate) const NEAR: f64 = 1.0;
 /// Share of chi-square by which two evaluations may differ.
 const ROUND_OFF: f64 = 1.0e-12;
 /// Allowed increase of the cost over a step if input noise makes the covariance depend on the unknowns. The
-/// Gauss-Newton step ignores that dependence, and ends a fraction of a sigma from the smallest cost.
+/// Gauss-Newton step ignores that dependence, and ends a fraction of a sigma from the smallest cost. It counts where the full step
+/// promises less.
 const COVARIANCE: f64 = 0.1;
 /// Decrease of chi-square beyond the limit that exceeds the barrier's own error: a five-hundredth of a sigma.
 const SIGNIFICANT_DECREASE: f64 = 4.0e-6;

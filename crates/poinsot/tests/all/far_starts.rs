@@ -198,6 +198,27 @@ fn spinner(rpm: f64, seed: u64) -> Record {
     }
 }
 
+/// The vehicle with a wheel along each axis, of a spin inertia and with tachometers of a sigma, and its table with their readings.
+fn on_wheels(
+    mut model: ModelText,
+    (spin, sigma): (f64, f64),
+    table: &mut Table,
+    times: &[f64],
+    mut read: impl FnMut(usize, f64) -> f64,
+) -> ModelText {
+    for axis in 0..3 {
+        let name = format!("w{axis}");
+        let samples: Vec<(f64, f64)> = times.iter().map(|t| (*t, read(axis, *t))).collect();
+        let column = channel(&format!("{name}_rad_s"), "rad/s", &samples);
+        table.channels.push(column);
+        let mut along = [0.0; 3];
+        along[axis] = 1.0;
+        model = model.wheel(&name, "bus", along, spin);
+    }
+    let noise = format!("noise_rad_s = {sigma:?}");
+    model.sensor("tachometer", "wheel_speed", &noise)
+}
+
 /// Wheels that turn the vehicle by many radians.
 fn wheels(gyro: Option<Sensor>, seed: u64) -> Record {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -263,22 +284,13 @@ fn even_wheels(seed: u64) -> Record {
         ..Flight::coasting(I, along.normalize() * 0.01_f64.to_radians(), 120.0)
     };
     let mut table = measured(&flight, (Some(GYRO), TRACKER), &mut random);
-    let mut model = ModelText::new("even wheels").body("bus", 300.0, [0.0; 3], nominal, INERTIA);
-    for axis in 0..3 {
-        let name = format!("w{axis}");
-        let mut read = |k: i32| {
-            let error = sigma * random.sample::<f64, _>(StandardNormal);
-            (f64::from(k) * 0.1, steady[axis] + error)
-        };
-        let samples: Vec<(f64, f64)> = (0..=1200).map(&mut read).collect();
-        let column = channel(&format!("{name}_rad_s"), "rad/s", &samples);
-        table.channels.push(column);
-        let mut along = [0.0; 3];
-        along[axis] = 1.0;
-        model = model.wheel(&name, "bus", along, spin);
-    }
-    let noise = format!("noise_rad_s = {sigma:?}");
-    let model = model.sensor("tachometer", "wheel_speed", &noise);
+    let model = ModelText::new("even wheels").body("bus", 300.0, [0.0; 3], nominal, INERTIA);
+    let times: Vec<f64> = (0..=1200).map(|k| f64::from(k) * 0.1).collect();
+    let read = |axis: usize, _| {
+        let error = sigma * random.sample::<f64, _>(StandardNormal);
+        steady[axis] + error
+    };
+    let model = on_wheels(model, (spin, sigma), &mut table, &times, read);
     Record {
         I,
         model: sensors(model, Some(GYRO), TRACKER).text(),
@@ -385,21 +397,12 @@ fn gravity_gradient(tachometer: Option<f64>, seed: u64) -> Record {
     }
     let mut model = ModelText::new("gradient").body("bus", 200.0, [0.0; 3], nominal, INERTIA);
     if let Some(sigma) = tachometer {
-        for axis in 0..3 {
-            let name = format!("w{axis}");
-            let of = |(t, _, _): &(f64, _, _)| {
-                let error = sigma * random.sample::<f64, _>(StandardNormal);
-                (*t, speed(axis, *t)[0] + error)
-            };
-            let samples: Vec<(f64, f64)> = states.iter().step_by(20).map(of).collect();
-            let column = channel(&format!("{name}_rad_s"), "rad/s", &samples);
-            table.channels.push(column);
-            let mut along = [0.0; 3];
-            along[axis] = 1.0;
-            model = model.wheel(&name, "bus", along, spin);
-        }
-        let noise = format!("noise_rad_s = {sigma:?}");
-        model = model.sensor("tachometer", "wheel_speed", &noise);
+        let times: Vec<f64> = states.iter().step_by(20).map(|s| s.0).collect();
+        let read = |axis: usize, t: f64| {
+            let error = sigma * random.sample::<f64, _>(StandardNormal);
+            speed(axis, t)[0] + error
+        };
+        model = on_wheels(model, (spin, sigma), &mut table, &times, read);
     }
     let text = sensors(model, Some(gyro), tracker).text();
     let environment = format!(
