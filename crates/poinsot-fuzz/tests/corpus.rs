@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 /// Time limit of a single small input.
 const LONGEST: Duration = Duration::from_secs(10);
 /// Problems of drawn bytes, and bytes of each: enough for a vehicle and its record.
-const DRAWN: u64 = 60;
+const DRAWN: u64 = 200;
 const BYTES: usize = 4096;
 
 /// The inputs written by hand, then those that libFuzzer found, with their names.

@@ -1,17 +1,18 @@
-//! The shortest vector subject to positive semidefinite blocks, by a barrier method.
+//! The shortest vector subject to positive semidefinite blocks, by a primal-dual interior-point method.
 //!
 //! It finds the u of least norm for which every block `S(u) = C + sum_j u_j B_j` is positive semidefinite. The problem
-//! is convex and its solution unique. The barrier makes it smooth:
+//! is convex and its solution unique. At the solution a multiplier Z of each block is positive semidefinite, `Z S = 0`
+//! and `2 u_j = sum tr(Z B_j)`. Any Z that is positive semidefinite bounds from below what `|u|^2` can be (its dual):
 //!
 //! ```text
-//! F(u) = |u|^2 - mu sum log det S(u),      mu -> 0
+//! |u|^2 - bound = sum tr(Z S) + sum_j (2 u_j - sum tr(Z B_j))^2 / 4
 //! ```
 //!
-//! `F / mu` is self-concordant, so a Newton step damped by its decrement stays inside and lowers F (Boyd and
-//! Vandenberghe 2004, sections 9.6 and 11.6). Longer steps are tried first. The suboptimality is mu times the rows of
-//! all blocks.
+//! Newton steps with predictor and corrector lead both inside to where the right side vanishes, in coordinates in which
+//! S and Z of a block are the same diagonal matrix (Nesterov and Todd 1997; Todd, Toh and Tütüncü 1998). What remains of
+//! it is returned: round-off ends the steps where multipliers are large.
 
-use nalgebra::{DMatrix, DVector, Matrix4, SymmetricEigen};
+use nalgebra::{DMatrix, DVector, Matrix4, SymmetricEigen, Vector4};
 
 /// One block `S(u) = C + sum_j u_j B_j`.
 pub struct Block {
@@ -21,24 +22,26 @@ pub struct Block {
     pub slopes: Vec<Matrix4<f64>>,
 }
 
-/// Final barrier parameter; costs are chi-squares.
-const FINAL: f64 = 1.0e-8;
-/// Smallest eigenvalue of a block of order one that is above round-off.
-const LEAST: f64 = 1.0e-12;
-/// Factor of the barrier parameter between stages.
-const SHRINK: f64 = 0.1;
-/// Decrement below which full steps converge quadratically.
-const NEAR: f64 = 0.25;
-/// Decrement at convergence.
-const SETTLED: f64 = 1.0e-3;
-/// Limit on steps: fourteen decades take about eighty with one block, more with many.
-const STEPS: usize = 2000;
-/// Required fraction of the linearly predicted decrease for a longer step.
-const GAIN: f64 = 0.1;
+/// A vector for which all blocks are positive definite.
+#[derive(Debug, PartialEq)]
+pub struct Shortest {
+    /// The vector.
+    pub u: Vec<f64>,
+    /// By how much the square of its norm exceeds the least one, at most.
+    pub excess: f64,
+}
+
+/// Excess at the end, and its share of the square of the norm: costs are chi-squares.
+const FINAL: f64 = 1.0e-9;
+const FINAL_SHARE: f64 = 1.0e-11;
+/// Limit on steps: ten to twenty are usual, thirty where round-off ends them.
+const STEPS: usize = 60;
+/// Share of the way to the edge.
+const INSIDE: f64 = 0.98;
 /// Independent elements of a symmetric block.
 const ELEMENTS: usize = 10;
 
-/// The shortest vector, from a start strictly inside; `None` if the start is not inside, or without convergence.
+/// The shortest vector, from a start strictly inside; `None` if the start is not inside.
 ///
 /// ```
 /// use nalgebra::{Matrix4, Vector4};
@@ -49,150 +52,213 @@ const ELEMENTS: usize = 10;
 ///     constant: Matrix4::from_diagonal(&Vector4::new(-1.0, 1.0, 1.0, 1.0)),
 ///     slopes: vec![Matrix4::from_diagonal(&Vector4::new(1.0, 0.0, 0.0, 0.0))],
 /// };
-/// let u = shortest(&[block], &[3.0]).unwrap();
-/// assert!((u[0] - 1.0).abs() < 1.0e-6);
+/// let found = shortest(&[block], &[3.0]).unwrap();
+/// assert!((found.u[0] - 1.0).abs() < 1.0e-6 && found.excess < 1.0e-6);
 /// ```
-pub fn shortest(blocks: &[Block], start: &[f64]) -> Option<Vec<f64>> {
-    let mut u = DVector::from_column_slice(start);
-    let mut here = Whitened::at(blocks, &u)?;
-    let mut mu = u.norm_squared().max(FINAL);
+pub fn shortest(blocks: &[Block], start: &[f64]) -> Option<Shortest> {
+    let mut at = Pair::about(blocks, start)?;
+    let mut best: Option<Shortest> = None;
     for _ in 0..STEPS {
-        let (step, decrement) = here.newton(&u, mu)?;
-        let last = mu <= FINAL || here.smallest < LEAST;
-        if decrement < if last { SETTLED } else { NEAR } {
-            if last {
-                return Some(u.as_slice().to_vec());
-            }
-            mu = FINAL.max(SHRINK * mu);
-            continue;
+        let Some(here) = Scaled::at(blocks, &at) else {
+            break;
+        };
+        let excess = here.excess();
+        if best.as_ref().is_none_or(|b| excess < b.excess) {
+            let u = at.u.as_slice().to_vec();
+            best = Some(Shortest { u, excess });
         }
-        let Some((next, there)) = here.advance(blocks, &u, &step, decrement, mu) else {
-            // Only round-off leads outside: accept the point in the final stage, fail in earlier ones.
-            return last.then(|| u.as_slice().to_vec());
+        if excess <= FINAL + FINAL_SHARE * at.u.norm_squared() {
+            break;
+        }
+        let Some(next) = here.advance(&at.u) else {
+            break;
         };
-        (u, here) = (next, there);
+        at = next;
     }
-    None
+    best.filter(|b| b.excess.is_finite())
 }
 
-/// All blocks at one u, in coordinates in which each is the identity.
-struct Whitened {
-    /// Ten rows per block, one column per component of u: elements of the whitened slopes. Off-diagonal elements have
-    /// the factor sqrt(2), so that products of rows are traces.
+/// A vector and the multipliers of the blocks.
+struct Pair {
+    u: DVector<f64>,
+    multipliers: Vec<Matrix4<f64>>,
+}
+
+impl Pair {
+    /// The start, with multipliers for which all products with the blocks are the same multiple of the identity.
+    fn about(blocks: &[Block], start: &[f64]) -> Option<Self> {
+        let u = DVector::from_column_slice(start);
+        let mu = u.norm_squared() / (4 * blocks.len()) as f64;
+        let inverse = |block: &Block| Some(block.at(&u).cholesky()?.inverse() * mu.max(FINAL));
+        let multipliers = blocks.iter().map(inverse).collect::<Option<_>>()?;
+        Some(Self { u, multipliers })
+    }
+}
+
+impl Block {
+    fn at(&self, u: &DVector<f64>) -> Matrix4<f64> {
+        let moved = self.slopes.iter().zip(u.iter());
+        moved.fold(self.constant, |S, (slope, step)| S + slope * *step)
+    }
+}
+
+/// All blocks at a pair, in coordinates in which a block and its multiplier are the same diagonal matrix.
+struct Scaled {
+    /// The diagonals.
+    lambda: Vec<Vector4<f64>>,
+    /// What leads from a block to its diagonal, `T S T^T`.
+    scaling: Vec<Matrix4<f64>>,
+    /// Ten rows per block, one column per component of u: elements of the scaled slopes.
     slopes: DMatrix<f64>,
-    /// The identity in the same elements.
-    identity: DVector<f64>,
-    /// Smallest eigenvalue of all blocks.
-    smallest: f64,
-    /// Sum of `log det S`.
-    log_det: f64,
+    /// `2 u_j - sum tr(Z B_j)`.
+    residual: DVector<f64>,
 }
 
-impl Whitened {
-    fn at(blocks: &[Block], u: &DVector<f64>) -> Option<Self> {
-        let rows = ELEMENTS * blocks.len();
+/// A step of u and those of the blocks and multipliers, scaled.
+struct Step {
+    u: DVector<f64>,
+    blocks: Vec<Matrix4<f64>>,
+    multipliers: Vec<Matrix4<f64>>,
+}
+
+impl Scaled {
+    /// `None` where round-off has led outside.
+    fn at(blocks: &[Block], pair: &Pair) -> Option<Self> {
         let mut out = Self {
-            slopes: DMatrix::zeros(rows, u.len()),
-            identity: DVector::zeros(rows),
-            smallest: f64::INFINITY,
-            log_det: 0.0,
+            lambda: Vec::new(),
+            scaling: Vec::new(),
+            slopes: DMatrix::zeros(ELEMENTS * blocks.len(), pair.u.len()),
+            residual: &pair.u * 2.0,
         };
-        for (b, block) in blocks.iter().enumerate() {
-            let mut S = block.constant;
-            for (slope, step) in block.slopes.iter().zip(u.iter()) {
-                S += slope * *step;
-            }
-            if S.iter().any(|x| !x.is_finite()) {
+        for (b, (block, Z)) in blocks.iter().zip(&pair.multipliers).enumerate() {
+            let L = block.at(&pair.u).cholesky()?.l();
+            let eigen = SymmetricEigen::new(L.transpose() * Z * L);
+            if !(eigen.eigenvalues.min() > 0.0) {
                 return None;
             }
-            let eigen = SymmetricEigen::new(S);
-            let smallest = eigen.eigenvalues.min();
-            if smallest <= 0.0 {
-                return None;
-            }
-            out.smallest = out.smallest.min(smallest);
-            out.log_det += eigen.eigenvalues.map(f64::ln).sum();
-            let root = Matrix4::from_diagonal(&eigen.eigenvalues.map(|x| 1.0 / x.sqrt()))
-                * eigen.eigenvectors.transpose();
-            let at = ELEMENTS * b;
+            let lambda = eigen.eigenvalues.map(f64::sqrt);
+            let T = Matrix4::from_diagonal(&lambda.map(f64::sqrt))
+                * L.transpose()
+                    .solve_upper_triangular(&eigen.eigenvectors)?
+                    .transpose();
             for (j, slope) in block.slopes.iter().enumerate() {
-                let own = elements(&(root * slope * root.transpose()));
-                for (k, x) in own.iter().enumerate() {
-                    out.slopes[(at + k, j)] = *x;
-                }
+                out.residual[j] -= Z.dot(slope);
+                let own = elements(&(T * slope * T.transpose()));
+                let mut column = out.slopes.column_mut(j);
+                column.rows_mut(ELEMENTS * b, ELEMENTS).copy_from(&own);
             }
-            for (k, x) in elements(&Matrix4::identity()).iter().enumerate() {
-                out.identity[at + k] = *x;
-            }
+            out.lambda.push(lambda);
+            out.scaling.push(T);
         }
         Some(out)
     }
 
-    /// The longest of a few steps that lowers `F / mu` enough; the last one tried is the damped step.
-    fn advance(
-        &self,
-        blocks: &[Block],
-        u: &DVector<f64>,
-        step: &DVector<f64>,
-        decrement: f64,
-        mu: f64,
-    ) -> Option<(DVector<f64>, Self)> {
-        let cost = |u: &DVector<f64>, at: &Self| u.norm_squared() / mu - at.log_det;
-        let before = cost(u, self);
-        let damped = 1.0 / (1.0 + decrement);
-        let mut length = 1.0;
-        while length > damped {
-            let next = u + step * length;
-            if let Some(there) = Self::at(blocks, &next)
-                && before - cost(&next, &there) >= GAIN * length * decrement * decrement
-            {
-                return Some((next, there));
-            }
-            // Round-off hides the decrease of a small step: near the centre the full step is correct.
-            if decrement < NEAR {
-                break;
-            }
-            length *= 0.4;
-        }
-        let length = if decrement < NEAR { 1.0 } else { damped };
-        let next = u + step * length;
-        Self::at(blocks, &next).map(|there| (next, there))
+    /// Sum of `tr(Z S)`.
+    fn complementarity(&self) -> f64 {
+        self.lambda.iter().map(Vector4::norm_squared).sum()
     }
 
-    /// Newton's step of `F` and its decrement.
-    ///
-    /// With N the whitened slopes and e the identity, gradient and Hessian of F are `2 u - mu N^T e` and
-    /// `2 + mu N^T N`. The step ends at `N^T q` with `(N N^T + 2 / mu) q = e + N u`. The rows of this small system
-    /// differ in size as the eigenvalues of the blocks do, which does not harm Cholesky factorisation.
-    fn newton(&self, u: &DVector<f64>, mu: f64) -> Option<(DVector<f64>, f64)> {
-        let N = &self.slopes;
-        let mut normal = N * N.transpose();
-        for k in 0..normal.nrows() {
-            normal[(k, k)] += 2.0 / mu;
+    fn excess(&self) -> f64 {
+        self.complementarity() + self.residual.norm_squared() / 4.0
+    }
+
+    /// A step towards the centre as far as one straight to the solution would not lead.
+    fn advance(&self, u: &DVector<f64>) -> Option<Pair> {
+        let n = u.len();
+        let mut A = DMatrix::zeros(n + self.slopes.nrows(), n);
+        A.view_mut((0, 0), (n, n))
+            .fill_diagonal(std::f64::consts::SQRT_2);
+        A.rows_mut(n, self.slopes.nrows()).copy_from(&self.slopes);
+        let qr = A.qr();
+        let straight = self.lambda.iter().map(|l| -Matrix4::from_diagonal(l));
+        let straight = self.step(&qr, straight.collect())?;
+        let centring = (1.0 - self.longest(&straight)).powi(3);
+        let mu = centring * self.complementarity() / (4 * self.lambda.len()) as f64;
+        let second = straight.blocks.iter().zip(&straight.multipliers);
+        let corrected = self.lambda.iter().zip(second).map(|(l, (S, Z))| {
+            let product = Matrix4::from_diagonal(&l.map(|l| mu - l * l)) - (S * Z + Z * S) * 0.5;
+            product.zip_map(&sums(l), |p, sum| 2.0 * p / sum)
+        });
+        let step = self.step(&qr, corrected.collect())?;
+        let length = self.longest(&step);
+        let each = self.scaling.iter().zip(&self.lambda);
+        let multiplier = |((T, l), Z): ((&Matrix4<f64>, &Vector4<f64>), &Matrix4<f64>)| {
+            T.transpose() * (Matrix4::from_diagonal(l) + Z * length) * T
+        };
+        Some(Pair {
+            u: u + step.u * length,
+            multipliers: each.zip(&step.multipliers).map(multiplier).collect(),
+        })
+    }
+
+    /// The step for which the changes of each block and its multiplier have these sums, and no residual is left: the
+    /// solution of `(2 + N^T N) du = N^T sums - residual`, N the scaled slopes, by least squares.
+    fn step(
+        &self,
+        qr: &nalgebra::QR<f64, nalgebra::Dyn, nalgebra::Dyn>,
+        sums: Vec<Matrix4<f64>>,
+    ) -> Option<Step> {
+        let n = self.residual.len();
+        let mut rhs = DVector::zeros(n + self.slopes.nrows());
+        rhs.rows_mut(0, n)
+            .copy_from(&(&self.residual / -std::f64::consts::SQRT_2));
+        for (b, sum) in sums.iter().enumerate() {
+            rhs.rows_mut(n + ELEMENTS * b, ELEMENTS)
+                .copy_from(&elements(sum));
         }
-        let q = normal.cholesky()?.solve(&(&self.identity + N * u));
-        let step = N.tr_mul(&q) - u;
-        let square = 2.0 * step.norm_squared() / mu + (N * &step).norm_squared();
-        square.is_finite().then(|| (step, square.sqrt()))
+        qr.q_tr_mul(&mut rhs);
+        let u = qr
+            .r()
+            .solve_upper_triangular(&rhs.rows(0, n).into_owned())?;
+        let changes = &self.slopes * &u;
+        let blocks: Vec<Matrix4<f64>> = (0..sums.len())
+            .map(|b| matrix(&changes.as_slice()[ELEMENTS * b..]))
+            .collect();
+        let multipliers = sums.iter().zip(&blocks).map(|(sum, S)| sum - S).collect();
+        Some(Step {
+            u,
+            blocks,
+            multipliers,
+        })
+    }
+
+    /// Share of a step, at most the whole, that stays inside.
+    fn longest(&self, step: &Step) -> f64 {
+        let each = self.lambda.iter().chain(&self.lambda);
+        let changes = step.blocks.iter().chain(&step.multipliers);
+        let outward = |(l, change): (&Vector4<f64>, &Matrix4<f64>)| {
+            let root = Matrix4::from_diagonal(&l.map(|l| 1.0 / l.sqrt()));
+            -SymmetricEigen::new(root * change * root).eigenvalues.min()
+        };
+        let most = each.zip(changes).map(outward).fold(INSIDE, f64::max);
+        INSIDE / most
     }
 }
 
-/// Elements of a symmetric matrix; off-diagonal ones have the factor sqrt(2).
-fn elements(m: &Matrix4<f64>) -> [f64; ELEMENTS] {
-    let mut out = [0.0; ELEMENTS];
-    let mut k = 0;
-    for i in 0..4 {
-        for j in 0..=i {
-            let weight = if i == j {
-                1.0
-            } else {
-                std::f64::consts::SQRT_2
-            };
-            out[k] = weight * m[(i, j)];
-            k += 1;
+/// Sums of each two components.
+fn sums(l: &Vector4<f64>) -> Matrix4<f64> {
+    Matrix4::from_fn(|i, j| l[i] + l[j])
+}
+
+/// Elements of a symmetric matrix; off-diagonal ones have the factor sqrt(2), so that products of rows are traces.
+fn elements(m: &Matrix4<f64>) -> nalgebra::SVector<f64, ELEMENTS> {
+    let pairs = (0..4).flat_map(|i| (0..=i).map(move |j| (i, j)));
+    nalgebra::SVector::from_iterator(pairs.map(|(i, j)| match i == j {
+        true => m[(i, j)],
+        false => std::f64::consts::SQRT_2 * m[(i, j)],
+    }))
+}
+
+/// The symmetric matrix of its elements.
+fn matrix(elements: &[f64]) -> Matrix4<f64> {
+    Matrix4::from_fn(|i, j| {
+        let (i, j) = (i.max(j), i.min(j));
+        let element = elements[i * (i + 1) / 2 + j];
+        match i == j {
+            true => element,
+            false => element * std::f64::consts::FRAC_1_SQRT_2,
         }
-    }
-    out
+    })
 }
 
 #[cfg(test)]
@@ -230,7 +296,7 @@ mod tests {
             constant,
             slopes: vec![slope(0), slope(1)],
         };
-        let u = shortest(&[block], &[5.0, 3.0]).unwrap();
+        let u = shortest(&[block], &[5.0, 3.0]).unwrap().u;
         assert!((u[0] - 1.0).abs() < 1.0e-8, "{u:?}");
         assert!(u[1].abs() < 1.0e-7, "{u:?}");
     }
@@ -270,9 +336,10 @@ mod tests {
                 .collect();
             let mut start = vec![0.0; n];
             start[0] = 100.0;
-            let Some(u) = shortest(&blocks, &start) else {
+            let Some(Shortest { u, excess }) = shortest(&blocks, &start) else {
                 continue;
             };
+            assert!(excess < 1.0e-8, "trial {trial}: {excess:e}");
             // Columns: pairs of null vectors of the blocks.
             let mut columns: Vec<Vec<f64>> = Vec::new();
             let mut sizes = Vec::new();

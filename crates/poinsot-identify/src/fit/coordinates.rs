@@ -8,7 +8,7 @@
 use crate::problem::parameters::{Equations, Parameters, TENSOR, UnknownKind};
 use nalgebra::{Matrix4, SymmetricEigen};
 use poinsot_solve::Spectrum;
-use poinsot_solve::semidefinite::{Block, shortest};
+use poinsot_solve::semidefinite::{Block, Shortest, shortest};
 use poinsot_spatial::{MassProperties, Matrix3, pseudo_inertia};
 
 /// Smallest eigenvalue of a pseudo-inertia over the reference that is kept: above round-off, far below any thickness.
@@ -23,8 +23,6 @@ const THICKNESS: f64 = 1.0e-3;
 const PRINTED: f64 = 1.0e-9;
 /// Share that an unobservable direction may have in a body that it does not change.
 const UNCHANGED: f64 = 1.0e-6;
-/// Share of what a free step could lower chi-square by that round-off may raise it.
-const UNSOLVED: f64 = 1.0e-6;
 /// Weight of unobservable directions over that of the weakest identified one: they follow the others and cost nothing.
 const OPEN: f64 = 1.0e-4;
 
@@ -32,7 +30,7 @@ const OPEN: f64 = 1.0e-4;
 #[derive(Clone)]
 pub(crate) struct PhysicalBodies {
     bodies: Vec<Body>,
-    /// Values of the mass unknowns at which every matrix is the identity.
+    /// Values of the unknowns that are no nuisances at which every matrix is the identity.
     reference: Vec<f64>,
 }
 
@@ -49,12 +47,12 @@ struct Body {
 
 impl PhysicalBodies {
     /// `None` where no unknown body is physical to begin with: then there is no constraint.
-    pub fn new(parameters: &Parameters, mass_unknowns: usize) -> Option<Self> {
+    pub fn new(parameters: &Parameters) -> Option<Self> {
         let mut reference = parameters.nominal_vector();
         let bodies: Vec<Body> = (0..parameters.estimate.len())
-            .filter_map(|index| Body::new(parameters, mass_unknowns, index, &mut reference))
+            .filter_map(|index| Body::new(parameters, index, &mut reference))
             .collect();
-        reference.truncate(mass_unknowns);
+        reference.truncate(parameters.decided_by_steps());
         (!bodies.is_empty()).then_some(Self { bodies, reference })
     }
 
@@ -166,34 +164,25 @@ impl PhysicalBodies {
             })
             .collect();
         // Without a solution there is no step and no predicted reduction: the fit does not converge.
-        let Some(u) = shortest(&blocks, &start) else {
+        let Some(Shortest { u, excess }) = shortest(&blocks, &start) else {
             return (vec![0.0; n], f64::NAN);
         };
         let y: Vec<f64> = (0..n).map(|k| target[k] + u[k] / weight[k]).collect();
         let each = along.iter().zip(&spectrum.singular).zip(&y);
-        let lowered = each.map(|((b, s), y)| b * b - (b - s * y).powi(2)).sum();
-        let most: f64 = along.iter().map(|b| b * b).sum();
-        // No step at all raises nothing: one that does solves nothing.
-        if lowered < -UNSOLVED * most && self.contain(x) {
-            return (vec![0.0; n], f64::NAN);
-        }
+        let lowered: f64 = each.map(|((b, s), y)| b * b - (b - s * y).powi(2)).sum();
         let step = (0..n)
             .map(|i| (0..n).map(|k| spectrum.directions[(i, k)] * y[k]).sum())
             .collect();
-        (step, lowered)
+        // The best step may lower more by the excess of this one.
+        (step, lowered + excess)
     }
 }
 
 impl Body {
     /// `None` where nothing is unknown or the nominal body is none: an unphysical start cannot be kept physical. A
     /// nominal plate or rod is thickened in the reference.
-    fn new(
-        parameters: &Parameters,
-        mass_unknowns: usize,
-        index: usize,
-        reference: &mut [f64],
-    ) -> Option<Self> {
-        let unknowns = unknowns_of(parameters, mass_unknowns, index);
+    fn new(parameters: &Parameters, index: usize, reference: &mut [f64]) -> Option<Self> {
+        let unknowns = unknowns_of(parameters, index);
         if unknowns.is_empty() {
             return None;
         }
@@ -315,8 +304,8 @@ fn is_moment(kind: &UnknownKind) -> bool {
 }
 
 /// The unknowns that make up a body's mass and inertia.
-fn unknowns_of(parameters: &Parameters, mass_unknowns: usize, body: usize) -> Vec<usize> {
-    let list = parameters.unknowns[..mass_unknowns].iter().enumerate();
+fn unknowns_of(parameters: &Parameters, body: usize) -> Vec<usize> {
+    let list = parameters.unknowns.iter().enumerate();
     list.filter(|(_, unknown)| match &unknown.kind {
         UnknownKind::Barycentric(parts) => parts.first().is_some_and(|p| p.0 / 10 == body),
         UnknownKind::CentralInertia(_) => body == 0,

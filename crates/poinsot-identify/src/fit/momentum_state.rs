@@ -19,7 +19,7 @@ use poinsot_solve::{End, LeastSquares, Linearised, Minimum, Spectrum, levenberg_
 const SETTLED: f64 = 1.0e-2;
 /// Fits from near a point, where the bodies are physical, in at most `limit` iterations.
 pub(crate) fn fit_near(experiment: &Experiment, mut at: Iterate, limit: usize) -> Option<Fitted> {
-    if let Some(bodies) = physical_bodies(experiment, experiment.parameters.mass_unknowns) {
+    if let Some(bodies) = physical_bodies(experiment) {
         bodies.start(&mut at.x);
     }
     fit_from(experiment, at, limit)

@@ -49,7 +49,7 @@ pub(crate) fn fit(
     experiment: &Experiment,
     linear: Option<&Iterate>,
 ) -> Result<Fitted, ProblemError> {
-    let bodies = physical_bodies(experiment, experiment.parameters.mass_unknowns);
+    let bodies = physical_bodies(experiment);
     let starts = starts(experiment, linear, bodies.as_ref());
     if let Some(bodies) = bodies {
         let mut free = experiment.with_parameters(experiment.parameters);
@@ -76,7 +76,7 @@ pub(crate) fn fit(
 
 /// The fit of the whole record, followed from its beginning; `None` where that does not lead to its end.
 pub(crate) fn fit_along(experiment: &Experiment, linear: Option<&Iterate>) -> Option<Fitted> {
-    let bodies = physical_bodies(experiment, experiment.parameters.mass_unknowns);
+    let bodies = physical_bodies(experiment);
     let path = follow(experiment, &starts(experiment, linear, bodies.as_ref()));
     let at = path.at.filter(|_| path.end == Search::Whole)?;
     fit_from(experiment, at, ITERATIONS)
@@ -90,7 +90,7 @@ pub(crate) fn fit_about_smoothed(
     if !experiment.has_noisy_inputs() {
         return None;
     }
-    let bodies = physical_bodies(experiment, experiment.parameters.mass_unknowns);
+    let bodies = physical_bodies(experiment);
     let starts = starts(experiment, linear, bodies.as_ref());
     let path = follow_on(experiment, &starts, true);
     let at = path.at.filter(|_| path.end == Search::Whole)?;

@@ -324,8 +324,7 @@ pub(crate) fn linearised(
     shared.hold(&experiment.largest_nuisances());
     let (spectrum, _) = experiment.spectra(&stacked, &shared, &evaluated)?;
     let cost = experiment.chi2(at, &evaluated).ok_or_else(no_motion)?;
-    let bodies = physical_bodies(experiment, spectrum.natural.len())
-        .and_then(|bodies| bodies.separable(&spectrum));
+    let bodies = physical_bodies(experiment).and_then(|bodies| bodies.separable(&spectrum));
     let linearisation = Linearisation {
         evaluated,
         shared,
@@ -430,12 +429,9 @@ pub(crate) fn moved(
 }
 
 /// The bodies that are to stay physical.
-pub(crate) fn physical_bodies(
-    experiment: &Experiment,
-    mass_unknowns: usize,
-) -> Option<PhysicalBodies> {
+pub(crate) fn physical_bodies(experiment: &Experiment) -> Option<PhysicalBodies> {
     match experiment.settings.coordinates {
         Coordinates::Linear => None,
-        Coordinates::Physical => PhysicalBodies::new(experiment.parameters, mass_unknowns),
+        Coordinates::Physical => PhysicalBodies::new(experiment.parameters),
     }
 }

@@ -176,6 +176,12 @@ impl Parameters {
         (out, kept)
     }
 
+    /// How many are no nuisances, which come first: what a step decides, while the others follow.
+    pub(crate) fn decided_by_steps(&self) -> usize {
+        let decided = self.unknowns.iter().filter(|u| !u.kind.is_nuisance());
+        decided.count()
+    }
+
     /// Place of a number among the unknowns.
     pub(crate) fn place(&self, kind: &UnknownKind) -> Option<usize> {
         self.unknowns.iter().position(|u| u.kind.is_same(kind))

@@ -162,14 +162,14 @@ impl<'a> Baseline<'a> {
 struct Coordinates {
     names: Vec<String>,
     natural: Vec<f64>,
-    /// Change of each unknown mass property per unit of each coordinate; none where they are the same.
+    /// Change of each unknown mass property per unit of each coordinate; none where they are the same. Further unknowns are their own.
     slopes: Option<Mat<f64>>,
 }
 
 impl Coordinates {
-    /// The unknown mass properties themselves.
+    /// The unknowns that are no nuisances, themselves.
     fn own(parameters: &Parameters) -> Self {
-        let unknowns = &parameters.unknowns[..parameters.mass_unknowns];
+        let unknowns = &parameters.unknowns[..parameters.decided_by_steps()];
         Self {
             names: unknowns.iter().map(|u| u.name.clone()).collect(),
             natural: unknowns.iter().map(|u| u.natural).collect(),
@@ -194,10 +194,16 @@ impl Coordinates {
         let n = parameters.mass_unknowns;
         let square = all.len() == n;
         let gradients = Mat::from_fn(all.len(), n, |i, j| all[i].2.gradient[j]);
+        let others = &parameters.unknowns[n..parameters.decided_by_steps()];
+        let others = || others.iter();
         square.then(|| Self {
             slopes: Some(gradients.partial_piv_lu().inverse()),
-            natural: all.iter().map(|a| a.1).collect(),
-            names: all.into_iter().map(|a| a.0).collect(),
+            natural: (all.iter().map(|a| a.1))
+                .chain(others().map(|u| u.natural))
+                .collect(),
+            names: (all.into_iter().map(|a| a.0))
+                .chain(others().map(|u| u.name.clone()))
+                .collect(),
         })
     }
 
@@ -206,7 +212,7 @@ impl Coordinates {
         let Some(slopes) = &self.slopes else {
             return row.clone();
         };
-        let n = self.names.len();
+        let n = slopes.nrows();
         let own = (0..n).map(|j| (0..n).map(|i| row[i] * slopes[(i, j)]).sum());
         own.chain(row[n..].iter().copied()).collect()
     }
