@@ -56,7 +56,7 @@ pub(crate) struct Experiment<'a> {
     pub known: Option<Arc<KnownColumns>>,
     /// Whether a fit only leads near an answer.
     pub only_near: bool,
-    /// Whether the readings of a beginning count little at first.
+    /// Whether the readings of a beginning count little at first, and its unknowns are held about their nominal values.
     pub tempers: bool,
     /// How many times as large as declared a mean square of white noise in the readings is taken to be where a search judges
     /// whether a start is far; 1 as declared.
@@ -293,7 +293,8 @@ impl<'a> Experiment<'a> {
         let readings: f64 = evaluated.iter().map(|e| e.cost).sum();
         let calibration = prior::calibration(self.problem, self.parameters, &at.x).chi2;
         let design = prior::design(self.problem, self.parameters, &at.x)?.chi2;
-        Some(readings + (calibration + design) / self.weight)
+        let held = self.held(at).map(|row| row.residual * row.residual);
+        Some(readings + (calibration + design + held.sum::<f64>()) / self.weight)
     }
 
     /// Chance that some number is as far from what is declared of it as the farthest one here, at most (Bonferroni).
@@ -316,7 +317,22 @@ impl<'a> Experiment<'a> {
         if with_design && let Some(design) = prior::design(self.problem, self.parameters, &at.x) {
             rows.extend(design.rows);
         }
+        rows.extend(self.held(at));
         rows
+    }
+
+    /// Rows by which unknowns are loosely held: off their nominal values by their natural scale.
+    fn held(&self, at: &Iterate) -> impl Iterator<Item = prior::PriorRow> {
+        let n = at.x.len();
+        let all = self.parameters.unknowns.iter().zip(&at.x).enumerate();
+        let held = all.filter(|(_, (unknown, _))| self.tempers && unknown.natural > 0.0);
+        held.map(move |(k, (unknown, x))| prior::PriorRow {
+            gradient: (0..n)
+                .map(|j| f64::from(u8::from(j == k)) / unknown.natural)
+                .collect(),
+            residual: (unknown.nominal - x) / unknown.natural,
+            about: None,
+        })
     }
 
     /// Triangle of the shared unknowns: the rows of every segment below its own head, those of declared

@@ -24,7 +24,6 @@ use crate::problem::ProblemError;
 use crate::problem::refusal::no_motion;
 use crate::problem::segment::Segment;
 use crate::problem::settings::Coordinates;
-use poinsot_model::{Model, Prior};
 use poinsot_solve::{LeastSquares, Linearised, Minimum, levenberg_marquardt};
 
 /// Smallest reduction of the grid for a coarse fit.
@@ -249,9 +248,7 @@ struct Followed {
 /// numbers: first steps from far away carry it off, as the scale of a tensor before the first pulse. Whether the model explains a record
 /// that this does not lead through is judged without.
 fn follow(experiment: &Experiment, starts: &[Iterate]) -> Followed {
-    let model = loosely_known(experiment.problem.model);
-    let problem = experiment.problem.with_model(&model);
-    let mut held = experiment.with_problem(&problem);
+    let mut held = experiment.with_parameters(experiment.parameters);
     held.tempers = true;
     let led = follow_on(&held, starts, false);
     match led.end {
@@ -284,22 +281,6 @@ fn follow_on(experiment: &Experiment, starts: &[Iterate], smooths: bool) -> Foll
         }
     };
     extend(experiment, (first, share), smooths)
-}
-
-/// The vehicle with unknown bodies whose nominal numbers may be off by their own size, where nothing else is declared.
-fn loosely_known(model: &Model) -> Model {
-    let mut model = model.clone();
-    let sigma = |size: f64| (size.is_finite() && size > 0.0).then_some(size);
-    for body in &mut model.bodies {
-        let (mass, inertia) = (body.nominal.mass, body.nominal.I_BBcm_B.trace() / 3.0);
-        body.prior.get_or_insert(Prior {
-            mass: sigma(mass),
-            com: sigma((inertia / mass).sqrt()),
-            inertia: sigma(inertia),
-            entropic: None,
-        });
-    }
-    model
 }
 
 /// Extends the beginning whose fit ended at a point to the whole record.
