@@ -12,7 +12,7 @@
 //! S and Z of a block are the same diagonal matrix (Nesterov and Todd 1997; Todd, Toh and Tütüncü 1998). What remains of
 //! it is returned: round-off ends the steps where multipliers are large.
 
-use nalgebra::{DMatrix, DVector, Matrix4, SymmetricEigen, Vector4};
+use nalgebra::{DMatrix, DVector, Dyn, Matrix4, QR, SVector, SymmetricEigen, Vector4};
 
 /// One block `S(u) = C + sum_j u_j B_j`.
 pub struct Block {
@@ -96,14 +96,20 @@ impl Pair {
 }
 
 impl Block {
+    /// What a step adds.
+    fn change(&self, step: &DVector<f64>) -> Matrix4<f64> {
+        let each = self.slopes.iter().zip(step.iter());
+        each.map(|(slope, step)| slope * *step).sum()
+    }
+
     fn at(&self, u: &DVector<f64>) -> Matrix4<f64> {
-        let moved = self.slopes.iter().zip(u.iter());
-        moved.fold(self.constant, |S, (slope, step)| S + slope * *step)
+        self.constant + self.change(u)
     }
 }
 
 /// All blocks at a pair, in coordinates in which a block and its multiplier are the same diagonal matrix.
-struct Scaled {
+struct Scaled<'a> {
+    of: &'a [Block],
     /// The diagonals.
     lambda: Vec<Vector4<f64>>,
     /// What leads from a block to its diagonal, `T S T^T`.
@@ -121,10 +127,11 @@ struct Step {
     multipliers: Vec<Matrix4<f64>>,
 }
 
-impl Scaled {
+impl<'a> Scaled<'a> {
     /// `None` where round-off has led outside.
-    fn at(blocks: &[Block], pair: &Pair) -> Option<Self> {
+    fn at(blocks: &'a [Block], pair: &Pair) -> Option<Self> {
         let mut out = Self {
+            of: blocks,
             lambda: Vec::new(),
             scaling: Vec::new(),
             slopes: DMatrix::zeros(ELEMENTS * blocks.len(), pair.u.len()),
@@ -133,7 +140,7 @@ impl Scaled {
         for (b, (block, Z)) in blocks.iter().zip(&pair.multipliers).enumerate() {
             let L = block.at(&pair.u).cholesky()?.l();
             let eigen = SymmetricEigen::new(L.transpose() * Z * L);
-            if !(eigen.eigenvalues.min() > 0.0) {
+            if eigen.eigenvalues.iter().any(|e| e.is_nan() || *e <= 0.0) {
                 return None;
             }
             let lambda = eigen.eigenvalues.map(f64::sqrt);
@@ -177,7 +184,7 @@ impl Scaled {
         let second = straight.blocks.iter().zip(&straight.multipliers);
         let corrected = self.lambda.iter().zip(second).map(|(l, (S, Z))| {
             let product = Matrix4::from_diagonal(&l.map(|l| mu - l * l)) - (S * Z + Z * S) * 0.5;
-            product.zip_map(&sums(l), |p, sum| 2.0 * p / sum)
+            Matrix4::from_fn(|i, j| 2.0 * product[(i, j)] / (l[i] + l[j]))
         });
         let step = self.step(&qr, corrected.collect())?;
         let length = self.longest(&step);
@@ -193,11 +200,7 @@ impl Scaled {
 
     /// The step for which the changes of each block and its multiplier have these sums, and no residual is left: the
     /// solution of `(2 + N^T N) du = N^T sums - residual`, N the scaled slopes, by least squares.
-    fn step(
-        &self,
-        qr: &nalgebra::QR<f64, nalgebra::Dyn, nalgebra::Dyn>,
-        sums: Vec<Matrix4<f64>>,
-    ) -> Option<Step> {
+    fn step(&self, qr: &QR<f64, Dyn, Dyn>, sums: Vec<Matrix4<f64>>) -> Option<Step> {
         let n = self.residual.len();
         let mut rhs = DVector::zeros(n + self.slopes.nrows());
         rhs.rows_mut(0, n)
@@ -210,10 +213,9 @@ impl Scaled {
         let u = qr
             .r()
             .solve_upper_triangular(&rhs.rows(0, n).into_owned())?;
-        let changes = &self.slopes * &u;
-        let blocks: Vec<Matrix4<f64>> = (0..sums.len())
-            .map(|b| matrix(&changes.as_slice()[ELEMENTS * b..]))
-            .collect();
+        let each = self.of.iter().zip(&self.scaling);
+        let changes = each.map(|(block, T)| T * block.change(&u) * T.transpose());
+        let blocks: Vec<Matrix4<f64>> = changes.collect();
         let multipliers = sums.iter().zip(&blocks).map(|(sum, S)| sum - S).collect();
         Some(Step {
             u,
@@ -235,30 +237,13 @@ impl Scaled {
     }
 }
 
-/// Sums of each two components.
-fn sums(l: &Vector4<f64>) -> Matrix4<f64> {
-    Matrix4::from_fn(|i, j| l[i] + l[j])
-}
-
 /// Elements of a symmetric matrix; off-diagonal ones have the factor sqrt(2), so that products of rows are traces.
-fn elements(m: &Matrix4<f64>) -> nalgebra::SVector<f64, ELEMENTS> {
+fn elements(m: &Matrix4<f64>) -> SVector<f64, ELEMENTS> {
     let pairs = (0..4).flat_map(|i| (0..=i).map(move |j| (i, j)));
-    nalgebra::SVector::from_iterator(pairs.map(|(i, j)| match i == j {
+    SVector::from_iterator(pairs.map(|(i, j)| match i == j {
         true => m[(i, j)],
         false => std::f64::consts::SQRT_2 * m[(i, j)],
     }))
-}
-
-/// The symmetric matrix of its elements.
-fn matrix(elements: &[f64]) -> Matrix4<f64> {
-    Matrix4::from_fn(|i, j| {
-        let (i, j) = (i.max(j), i.min(j));
-        let element = elements[i * (i + 1) / 2 + j];
-        match i == j {
-            true => element,
-            false => element * std::f64::consts::FRAC_1_SQRT_2,
-        }
-    })
 }
 
 #[cfg(test)]

@@ -30,7 +30,7 @@ const ROUND_OFF: f64 = 1.0e-12;
 /// Gauss-Newton step ignores that dependence, and ends a fraction of a sigma from the smallest cost. It counts where the full step
 /// promises less.
 const COVARIANCE: f64 = 0.1;
-/// Decrease of chi-square beyond the limit that exceeds the barrier's own error: a five-hundredth of a sigma.
+/// Decrease of chi-square beyond the limit that exceeds the error of a step along the limit: a five-hundredth of a sigma.
 const SIGNIFICANT_DECREASE: f64 = 4.0e-6;
 /// Relative reduction of chi-square by an iteration, predicted or real, below which a fit with a far too large one stops.
 const TOO_SLOW: f64 = 1.0e-3;
@@ -114,7 +114,7 @@ impl LeastSquares for Experiment<'_> {
         let plain = linearisation
             .spectrum
             .damped(&linearisation.shared.rhs(), 0.0);
-        // The barrier limits the accuracy of a step along the limit.
+        // Round-off limits the accuracy of a step along the limit.
         let limit = match linearisation.leaves(&at.x, &plain) {
             true => SIGNIFICANT_DECREASE,
             false => CONVERGED_BELOW,
