@@ -295,6 +295,25 @@ mod tests {
         assert_eq!(shortest(&[block], &[0.5]), None);
     }
 
+    /// Slopes over eight decades and a shortest vector of thousands, as where readings contradict a body.
+    #[test]
+    fn regress_a_vector_far_from_zero_is_found_beside_slopes_of_any_size() {
+        let mut state = 5;
+        for trial in 0..200 {
+            let size = |j: usize| 10.0_f64.powf(-4.0 + 8.0 * j as f64 / 9.0);
+            let slopes: Vec<_> = (0..10).map(|j| symmetric(&mut state) * size(j)).collect();
+            let start: Vec<f64> = (0..10).map(|_| 5.0e3 * random(&mut state)).collect();
+            let u = DVector::from_column_slice(&start);
+            let moved = slopes.iter().zip(u.iter()).map(|(B, x)| B * *x);
+            let constant = Matrix4::identity() - moved.sum::<Matrix4<f64>>();
+            let found = shortest(&[Block { constant, slopes }], &start).unwrap();
+            let square = found.u.iter().map(|x| x * x).sum::<f64>();
+            assert!(square <= u.norm_squared(), "trial {trial}");
+            let share = found.excess / square.max(1.0);
+            assert!(share < 1.0e-4, "trial {trial}: {share:e}");
+        }
+    }
+
     /// Karush-Kuhn-Tucker conditions, sufficient for a convex problem: `2 u_j = sum tr(L_b B_bj)` with positive
     /// semidefinite multipliers `L_b` that vanish where the block does not. They are computed from u alone, by least
     /// squares over the null spaces of the blocks.
