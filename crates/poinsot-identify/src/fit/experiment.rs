@@ -317,7 +317,6 @@ impl<'a> Experiment<'a> {
         if with_design && let Some(design) = prior::design(self.problem, self.parameters, &at.x) {
             rows.extend(design.rows);
         }
-        rows.extend(self.held(at));
         rows
     }
 
@@ -336,7 +335,8 @@ impl<'a> Experiment<'a> {
     }
 
     /// Triangle of the shared unknowns: the rows of every segment below its own head, those of declared
-    /// calibrations, and, if wanted, those of the design. A row stands for one sample, of the weight of the experiment.
+    /// calibrations, if wanted those of the design, and those that hold unknowns loosely. A row stands for one sample, of the
+    /// weight of the experiment.
     pub fn stack(&self, at: &Iterate, evaluated: &[Evaluated], with_design: bool) -> Triangle {
         let mut stacked = BlockQr::new(self.parameters.len() + 1);
         for (one, unknown) in evaluated.iter().zip(&self.unknown) {
@@ -348,7 +348,7 @@ impl<'a> Experiment<'a> {
         }
         let priors = self.prior_rows(at, with_design);
         let root = self.weight.sqrt();
-        for row in &priors {
+        for row in priors.into_iter().chain(self.held(at)) {
             stacked.push(1, |_, j| {
                 row.gradient.get(j).copied().unwrap_or(row.residual) / root
             });

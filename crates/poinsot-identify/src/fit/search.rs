@@ -48,9 +48,8 @@ pub(crate) fn fit(
     experiment: &Experiment,
     linear: Option<&Iterate>,
 ) -> Result<Fitted, ProblemError> {
-    let bodies = physical_bodies(experiment);
-    let starts = starts(experiment, linear, bodies.as_ref());
-    if let Some(bodies) = bodies {
+    let starts = starts(experiment, linear);
+    if let Some(bodies) = physical_bodies(experiment) {
         let mut free = experiment.with_parameters(experiment.parameters);
         free.settings.coordinates = Coordinates::Linear;
         let found = search(&free, &starts).ok_or_else(no_motion)?;
@@ -75,8 +74,7 @@ pub(crate) fn fit(
 
 /// The fit of the whole record, followed from its beginning; `None` where that does not lead to its end.
 pub(crate) fn fit_along(experiment: &Experiment, linear: Option<&Iterate>) -> Option<Fitted> {
-    let bodies = physical_bodies(experiment);
-    let path = follow(experiment, &starts(experiment, linear, bodies.as_ref()));
+    let path = follow(experiment, &starts(experiment, linear));
     let at = path.at.filter(|_| path.end == Search::Whole)?;
     fit_from(experiment, at, ITERATIONS)
 }
@@ -89,22 +87,16 @@ pub(crate) fn fit_about_smoothed(
     if !experiment.has_noisy_inputs() {
         return None;
     }
-    let bodies = physical_bodies(experiment);
-    let starts = starts(experiment, linear, bodies.as_ref());
-    let path = follow_on(experiment, &starts, true);
+    let path = follow_on(experiment, &starts(experiment, linear), true);
     let at = path.at.filter(|_| path.end == Search::Whole)?;
     let found = SmoothedInputs::about(experiment, at, path.segments)?;
     (found.fitted.converged && found.fitted.explains).then_some(found)
 }
 
 /// The linear solution and the nominal numbers, where the bodies are physical.
-fn starts(
-    experiment: &Experiment,
-    linear: Option<&Iterate>,
-    bodies: Option<&PhysicalBodies>,
-) -> Vec<Iterate> {
+fn starts(experiment: &Experiment, linear: Option<&Iterate>) -> Vec<Iterate> {
     let mut starts: Vec<Iterate> = linear.cloned().into_iter().collect();
-    if let Some(bodies) = bodies {
+    if let Some(bodies) = physical_bodies(experiment) {
         starts.iter_mut().for_each(|at| bodies.start(&mut at.x));
     }
     starts.push(experiment.nominal_point());

@@ -194,16 +194,14 @@ impl Coordinates {
         let n = parameters.mass_unknowns;
         let square = all.len() == n;
         let gradients = Mat::from_fn(all.len(), n, |i, j| all[i].2.gradient[j]);
-        let others = &parameters.unknowns[n..parameters.decided_by_steps()];
-        let others = || others.iter();
+        let others = parameters.unknowns[n..parameters.decided_by_steps()].iter();
+        let numbers = all.into_iter().map(|(name, unit, _)| (name, unit));
+        let numbers = numbers.chain(others.map(|u| (u.name.clone(), u.natural)));
+        let (names, natural) = numbers.unzip();
         square.then(|| Self {
             slopes: Some(gradients.partial_piv_lu().inverse()),
-            natural: (all.iter().map(|a| a.1))
-                .chain(others().map(|u| u.natural))
-                .collect(),
-            names: (all.into_iter().map(|a| a.0))
-                .chain(others().map(|u| u.name.clone()))
-                .collect(),
+            natural,
+            names,
         })
     }
 
