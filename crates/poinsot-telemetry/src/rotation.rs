@@ -52,6 +52,13 @@ impl Axes {
         Vector3::from_fn(|i, _| f64::from(self.sign[i]) * v[self.axis[i]])
     }
 
+    /// `1`, and `-1` of axes that are mirrored.
+    pub(crate) fn determinant(self) -> i8 {
+        let [x, y, _] = self.axis;
+        let order = if (x + 1) % 3 == y { 1 } else { -1 };
+        self.sign.iter().product::<i8>() * order
+    }
+
     /// The axes that turn these back.
     pub fn inverse(self) -> Self {
         let own = |k: usize| self.axis.iter().position(|axis| *axis == k).unwrap_or(k);

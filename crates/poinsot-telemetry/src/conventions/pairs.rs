@@ -2,7 +2,8 @@
 
 use crate::median::{median, median_step};
 use crate::{Axes, Channel, GAP, Order, Sense, integral, resample_hermite, rotation};
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
+use std::f64::consts::SQRT_2;
 
 /// Turn of an attitude per compared interval, rad, and share of the range of other channels: well above noise, small enough for
 /// averaging.
@@ -19,6 +20,9 @@ pub(crate) struct Interval {
     from: [f64; 4],
     to: [f64; 4],
     rate: [f64; 3],
+    /// The turn that the rates make from sample to sample, where they are those of a body: another than by their mean where its axis
+    /// moves, or by more than half a turn.
+    turn: Option<Rotation3<f64>>,
 }
 
 /// Sums over the intervals, from which the residual of every unit and axis permutation follows.
@@ -27,8 +31,37 @@ pub(crate) struct Sums {
     pub aa: f64,
     pub gg: f64,
     pub cross: [[f64; 3]; 3],
+    turns: Turns,
     /// Of the rates of the gyro less those of the attitude, as both are read.
-    pub apart: [f64; 3],
+    apart: Vector3<f64>,
+}
+
+/// Sums over the matrices of both turns less the unit matrix, per second and in rad where they are small.
+#[derive(Default)]
+struct Turns {
+    aa_gg: f64,
+    cross: SMatrix<f64, 9, 9>,
+}
+
+impl Turns {
+    fn add(&mut self, both: [&Rotation3<f64>; 2], dt: f64) {
+        let [a, g] = both.map(|turn| (turn.matrix() - Matrix3::identity()) / (SQRT_2 * dt));
+        self.aa_gg += a.norm_squared() + g.norm_squared();
+        let [a, g] = [a, g].map(|m| SVector::<f64, 9>::from_column_slice(m.as_slice()));
+        self.cross += a * g.transpose();
+    }
+
+    /// Sum of the squares of what is left with the rates in these axes; the turn of mirrored rates is taken for the turn back.
+    fn left(&self, axes: Axes) -> f64 {
+        let mirrored = axes.determinant() < 0;
+        let element = |k: usize| {
+            let (i, j) = (k % 3, k / 3);
+            let (a, b) = (axes.axis[i], axes.axis[j]);
+            let own = if mirrored { 3 * a + b } else { 3 * b + a };
+            f64::from(axes.sign[i] * axes.sign[j]) * self.cross[(k, own)]
+        };
+        self.aa_gg - 2.0 * (0..9).map(element).sum::<f64>()
+    }
 }
 
 impl Sums {
@@ -45,13 +78,16 @@ impl Sums {
     }
 
     pub(crate) fn residual(&self, factor: f64, axes: Axes) -> f64 {
-        let square = self.aa - 2.0 * factor * self.along(axes) + factor * factor * self.gg;
+        let square = match factor == 1.0 && self.turns.aa_gg > 0.0 {
+            true => self.turns.left(axes),
+            false => self.aa - 2.0 * factor * self.along(axes) + factor * factor * self.gg,
+        };
         (square.max(0.0) / self.n).sqrt()
     }
 
     /// Mean of the difference of both as they are read, and the residual without it.
     pub(super) fn offset(&self) -> (f64, f64) {
-        let square = self.apart.iter().map(|d| (d / self.n).powi(2)).sum::<f64>();
+        let square = (self.apart / self.n).norm_squared();
         let left = self.residual(1.0, Axes::IDENTITY).powi(2) - square;
         (square.sqrt(), left.max(0.0).sqrt())
     }
@@ -70,16 +106,25 @@ impl Pairs {
         let is_attitude = of.len() == 4;
         let at = |k: usize| padded(of.iter().filter_map(|c| c.values.get(k).copied()));
         let values: Vec<[f64; 4]> = (0..first.values.len()).map(at).collect();
-        let integrals = integrals(rates, &first.time_s);
+        let of_body = rate.name.starts_with("omega");
+        let mut times_s = first.time_s.to_vec();
+        if of_body {
+            times_s.extend(rate.time_s.iter());
+            times_s.sort_by(f64::total_cmp);
+            times_s.dedup();
+        }
+        let integrals = integrals(rates, &times_s);
+        let place = |t: &f64| times_s.partition_point(|own| own < t);
         let stride = stride(&values, is_attitude);
         let step = median_step(&first.time_s)?;
-        let ends = values.iter().zip(first.time_s.iter()).zip(&integrals);
+        let ends = values.iter().zip(first.time_s.iter());
         let mut turns = Vec::new();
-        for (((from, t0), a0), ((to, t1), a1)) in
-            ends.clone().zip(ends.skip(stride)).step_by(stride)
-        {
+        for ((from, t0), (to, t1)) in ends.clone().zip(ends.skip(stride)).step_by(stride) {
             let dt = t1 - t0;
-            let (Some((run0, a0)), Some((run1, a1))) = (a0, a1) else {
+            let between = integrals.get(place(t0)..=place(t1)).unwrap_or_default();
+            let (Some(Some((run0, a0))), Some(Some((run1, a1)))) =
+                (between.first(), between.last())
+            else {
                 continue;
             };
             if run0 != run1 || dt > 3.0 * step * stride as f64 {
@@ -89,7 +134,8 @@ impl Pairs {
                 dt,
                 from: *from,
                 to: *to,
-                rate: padded(a0.iter().zip(a1).map(|(a, b)| (b - a) / dt)),
+                rate: (change(a0, a1) / dt).into(),
+                turn: of_body.then(|| turn(between)),
             });
         }
         (turns.len() >= 8).then_some(Self { turns, is_attitude })
@@ -100,7 +146,9 @@ impl Pairs {
     pub(super) fn turned(&self, axes: Axes, (rates, factor): (Axes, f64)) -> f64 {
         let seen = |[x, y, z, _]: [f64; 4]| axes.turned(&Vector3::new(x, y, z).normalize());
         let square = |i: &Interval| {
-            let turn = rates.turned(&Vector3::from(i.rate)) * factor * i.dt;
+            let own = i.turn.filter(|_| factor == 1.0).map(|t| t.scaled_axis());
+            let own = own.unwrap_or_else(|| Vector3::from(i.rate) * factor * i.dt);
+            let turn = rates.turned(&own);
             let turn = rotation::of_vector(turn.into());
             ((turn * seen(i.to) - seen(i.from)) / i.dt).norm_squared()
         };
@@ -134,7 +182,8 @@ impl Pairs {
             aa: 0.0,
             gg: 0.0,
             cross: [[0.0; 3]; 3],
-            apart: [0.0; 3],
+            turns: Turns::default(),
+            apart: Vector3::zeros(),
         };
         for t in &self.turns {
             let change = match self.is_attitude {
@@ -144,16 +193,33 @@ impl Pairs {
             let rate = change.map(|c| c / t.dt);
             sums.aa += rate.iter().map(|a| a * a).sum::<f64>();
             sums.gg += t.rate.iter().map(|g| g * g).sum::<f64>();
-            let apart = sums.apart.iter_mut().zip(t.rate).zip(rate);
-            apart.for_each(|((apart, g), a)| *apart += g - a);
             for (row, a) in sums.cross.iter_mut().zip(rate) {
                 for (c, g) in row.iter_mut().zip(t.rate) {
                     *c += a * g;
                 }
             }
+            if let Some(turn) = t.turn.filter(|_| self.is_attitude) {
+                let own = rotation::of_vector(change);
+                sums.turns.add([&own, &turn], t.dt);
+                sums.apart += (own.inverse() * turn).scaled_axis() / t.dt;
+            }
         }
         sums
     }
+}
+
+/// Difference of two integrals.
+fn change(from: &[f64; 3], to: &[f64; 3]) -> Vector3<f64> {
+    Vector3::from(*to) - Vector3::from(*from)
+}
+
+/// The turn from the first of these integrals of rates to the last.
+fn turn(integrals: &[Option<(usize, [f64; 3])>]) -> Rotation3<f64> {
+    let known = || integrals.iter().flatten();
+    let steps = known().zip(known().skip(1));
+    steps.fold(Rotation3::identity(), |all, ((_, a), (_, b))| {
+        all * Rotation3::new(change(a, b))
+    })
 }
 
 /// The first numbers, with zeros behind them where they are fewer.

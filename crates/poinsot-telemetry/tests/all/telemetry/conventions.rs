@@ -126,6 +126,38 @@ fn exact_a_gyro_bias_is_no_convention() {
     assert!(told(|q, [x, y, z]| (q, [y, x, z])).is_contradicted());
 }
 
+/// A body that makes up to three turns between two attitudes, and a sixth of one between two samples of the gyro.
+#[test]
+fn prop_attitudes_a_turn_apart_are_compared_by_the_rotation_of_the_gyro() {
+    for rate in 1..=20 {
+        for every in [1, 4, 10, 17] {
+            let mut rows = tumble(1200, 0.05, f64::from(rate));
+            noisy(&mut rows, 1e-3, 1e-3);
+            let said = |turned: bool| {
+                let rows: Vec<_> = rows
+                    .iter()
+                    .map(|(q, [x, y, z])| (*q, if turned { [*z, *x, *y] } else { [*x, *y, *z] }))
+                    .collect();
+                let slow: Vec<_> = rows.iter().step_by(every).copied().collect();
+                let mut both = table(&slow, 0.05 * every as f64);
+                both.channels.truncate(4);
+                both.channels
+                    .extend(table(&rows, 0.05).channels.into_iter().skip(4));
+                convention_tests(&both).remove(0)
+            };
+            let [right, wrong] = [false, true].map(said);
+            let case = format!("{rate} rad/s, every {every}: {right}, {wrong}");
+            assert_eq!(right.verdict, Verdict::DeclaredFits, "{case}");
+            // Faster, the gyro is too coarse to tell which axes: 0.6 rad between two samples.
+            if rate > 12 {
+                continue;
+            }
+            assert!(wrong.is_contradicted(), "{case}");
+            assert!(wrong.good[0].words.contains("(y, z, x)"), "{case}");
+        }
+    }
+}
+
 #[test]
 fn exact_every_wrong_convention_is_named() {
     let deg = 180.0 / std::f64::consts::PI;
