@@ -5,9 +5,10 @@
 //! chi-square has many minima (a phase of nutation that is wrong by turns). The record is then followed: its longest beginning
 //! that a start explains is fitted, and extended by a factor as long as the prediction of each fit leads to the next one
 //! (a homotopy in the length of the record; Voss, Timmer and Kurths 2004 extend by multiple shooting). Readings of a beginning
-//! count as little at first as their misfit asks, and more from fit to fit. A beginning that the
-//! model cannot explain although the fit converged contradicts the model; one at which the fit does not converge ends the
-//! search without an answer.
+//! count as little at first as their misfit asks, and more from fit to fit, and what a beginning does not tell is held about the
+//! nominal numbers: first steps from far away carry it off, as the scale of a tensor before the first pulse. Where this leads no
+//! further, the next beginning is fitted without help and to its end: one that the model does not explain although the fit
+//! converged contradicts the model; one at which the fit does not converge ends the search without an answer.
 //!
 //! Where the motion is unstable, the noise of measured inputs carries the prediction off with time, however good the numbers
 //! are. A record along which no fit converges, with the torque of its wheels as a process neither, is followed once more about inputs that all sensors smooth, beginning by beginning.
@@ -74,7 +75,7 @@ pub(crate) fn fit(
 
 /// The fit of the whole record, followed from its beginning; `None` where that does not lead to its end.
 pub(crate) fn fit_along(experiment: &Experiment, linear: Option<&Iterate>) -> Option<Fitted> {
-    let path = follow(experiment, &starts(experiment, linear));
+    let path = follow(experiment, &starts(experiment, linear), false);
     let at = path.at.filter(|_| path.end == Search::Whole)?;
     fit_from(experiment, at, ITERATIONS)
 }
@@ -87,7 +88,7 @@ pub(crate) fn fit_about_smoothed(
     if !experiment.has_noisy_inputs() {
         return None;
     }
-    let path = follow_on(experiment, &starts(experiment, linear), true);
+    let path = follow(experiment, &starts(experiment, linear), true);
     let at = path.at.filter(|_| path.end == Search::Whole)?;
     let found = SmoothedInputs::about(experiment, at, path.segments)?;
     (found.fitted.converged && found.fitted.explains).then_some(found)
@@ -140,18 +141,16 @@ fn search_once(experiment: &Experiment, starts: &[Iterate]) -> Option<Fitted> {
     if direct.as_ref().is_some_and(|d| d.converged && d.explains) {
         return direct;
     }
-    let path = follow(experiment, starts);
+    let path = follow(experiment, starts, false);
     let onward = match (path.end, path.at) {
-        (Search::Lost(share), at) => {
+        (Search::Lost(_), at) => {
             let found = direct.or_else(|| fit_from(experiment, at?, 0))?;
             if found.explains {
                 return Some(found);
             }
-            // What no motion over a few samples explains is no matter of the start.
-            let is_told = share == 0.0 && found.settled;
             return Some(Fitted {
-                search: [path.end, Search::Contradicted][usize::from(is_told)],
-                converged: found.converged && is_told,
+                search: path.end,
+                converged: false,
                 ..found
             });
         }
@@ -236,48 +235,39 @@ struct Followed {
     segments: Vec<Segment>,
 }
 
-/// Follows the record from its longest beginning that a start explains, with what a beginning does not tell held about the nominal
-/// numbers: first steps from far away carry it off, as the scale of a tensor before the first pulse. Whether the model explains a record
-/// that this does not lead through is judged without.
-fn follow(experiment: &Experiment, starts: &[Iterate]) -> Followed {
-    let mut held = experiment.with_parameters(experiment.parameters);
-    held.tempers = true;
-    let led = follow_on(&held, starts, false);
-    match led.end {
-        Search::Whole => led,
-        _ => follow_on(experiment, starts, false),
-    }
-}
-
-/// The same without help; about inputs that each beginning smooths, if so.
-fn follow_on(experiment: &Experiment, starts: &[Iterate], smooths: bool) -> Followed {
+/// Follows the record from its longest beginning that a start explains; about inputs that each beginning smooths, if so.
+fn follow(experiment: &Experiment, starts: &[Iterate], smooths: bool) -> Followed {
     let mut share = SHORTER;
-    let mut settled = false;
-    let first = loop {
-        if !is_long_enough(experiment, share) {
-            let end = [Search::Lost(0.0), Search::Contradicted][usize::from(settled)];
-            let (at, segments) = (None, Vec::new());
-            return Followed { at, end, segments };
+    let mut failed = Vec::new();
+    loop {
+        for at in starts {
+            match fit_beginning(experiment, at, share) {
+                Some(found) if found.explains => {
+                    return extend(experiment, (found.at, share), smooths);
+                }
+                found => failed.extend(found.map(|f| f.at)),
+            }
         }
-        let mut found = starts
-            .iter()
-            .filter_map(|at| fit_beginning(experiment, at, share));
-        settled = false;
-        let explains = found.find(|f| {
-            settled |= f.settled;
-            f.explains
-        });
-        match explains {
-            Some(first) => break first.at,
-            None => share *= SHORTER,
+        if !is_long_enough(experiment, share * SHORTER) {
+            break;
         }
+        share *= SHORTER;
+    }
+    let end = match fit_to_end(experiment, &failed, share) {
+        Some(found) if found.explains => {
+            return extend(experiment, (found.at, share), smooths);
+        }
+        Some(found) if found.settled => Search::Contradicted,
+        _ => Search::Lost(0.0),
     };
-    extend(experiment, (first, share), smooths)
+    let (at, segments) = (None, Vec::new());
+    Followed { at, end, segments }
 }
 
 /// Extends the beginning whose fit ended at a point to the whole record.
 fn extend(experiment: &Experiment, (mut at, mut share): (Iterate, f64), smooths: bool) -> Followed {
     let mut factor = LONGER;
+    let mut failed = Vec::new();
     let mut segments = experiment.problem.segments.to_vec();
     let end = loop {
         if smooths {
@@ -292,12 +282,20 @@ fn extend(experiment: &Experiment, (mut at, mut share): (Iterate, f64), smooths:
         let problem = experiment.problem.with_segments(&segments);
         let own = experiment.with_problem(&problem);
         let longer = (share * factor).min(1.0);
-        match fit_beginning(&own, &at, longer) {
+        let mut found = fit_beginning(&own, &at, longer);
+        if let Some(beyond) = found.as_ref().filter(|f| !f.explains) {
+            failed.push(beyond.at.clone());
+        }
+        let is_last = factor <= LEAST_LONGER;
+        if is_last && !found.as_ref().is_some_and(|f| f.explains) {
+            found = fit_to_end(&own, &failed, longer);
+        }
+        match found {
             Some(found) if found.explains => {
                 (at, share) = (found.at, longer);
                 factor = LONGER.min(factor * factor);
             }
-            _ if factor > LEAST_LONGER => factor = factor.sqrt(),
+            _ if !is_last => factor = factor.sqrt(),
             Some(found) if found.settled => break Search::Contradicted,
             _ => break Search::Lost(share),
         }
@@ -320,9 +318,27 @@ struct Beginning {
     settled: bool,
 }
 
-/// Fits a share of the record: a few of its samples, or all of them where the few do not tell enough of what drives the
-/// vehicle.
+/// Fits a share of the record with help: what it does not tell is held, and its readings count more and more.
 fn fit_beginning(experiment: &Experiment, start: &Iterate, share: f64) -> Option<Beginning> {
+    fit_share(experiment, share, |part| tempered(part, start, share))
+}
+
+/// Fits a share of the record without help, from the best of the points at which fits of beginnings failed.
+fn fit_to_end(experiment: &Experiment, failed: &[Iterate], share: f64) -> Option<Beginning> {
+    fit_share(experiment, share, |part| {
+        let start = *by_cost(part, failed).first()?;
+        let here = part.linearise(start)?;
+        let end = levenberg_marquardt(part, start.clone(), here, ITERATIONS);
+        Some(end)
+    })
+}
+
+/// Fits a few samples of a share of the record, or all of them where the few do not tell enough of what drives the vehicle.
+fn fit_share(
+    experiment: &Experiment,
+    share: f64,
+    fitted: impl Fn(&mut Experiment) -> Option<Minimum<Iterate, Linearisation>>,
+) -> Option<Beginning> {
     let segments = experiment.problem.segments.iter();
     let whole: Vec<Segment> = segments.map(|s| beginning(s, share)).collect();
     let is_smoothed = whole.iter().any(|s| s.observations.is_smoothed());
@@ -330,7 +346,7 @@ fn fit_beginning(experiment: &Experiment, start: &Iterate, share: f64) -> Option
         let problem = experiment.problem.with_segments(segments);
         let mut part = experiment.with_problem(&problem);
         part.only_near = true;
-        let end = tempered(&mut part, start, share)?;
+        let end = fitted(&mut part)?;
         let as_declared = part.declared_chance(&end.at) > part.settings.false_alarm;
         Some(Beginning {
             explains: part.is_close(&end.here) && as_declared,
@@ -350,11 +366,8 @@ fn tempered(
     start: &Iterate,
     share: f64,
 ) -> Option<Minimum<Iterate, Linearisation>> {
+    part.tempers = true;
     let here = part.linearise(start)?;
-    if !part.tempers {
-        let end = levenberg_marquardt(part, start.clone(), here, ARC_ITERATIONS);
-        return Some(end);
-    }
     let rows: usize = here.rows.evaluated.iter().map(|e| e.rows).sum();
     part.weight = (rows as f64 / here.cost).min(1.0);
     // Those of a short beginning cost less.
