@@ -51,24 +51,6 @@ impl<T: Real> PoseMomentumRate<T> {
             h: R.times(&V3::of(torque_B)),
         }
     }
-
-    /// `self + other * factor`.
-    #[inline(always)]
-    fn plus(&self, other: &Self, factor: f64) -> Self {
-        let ([x, y, z, w], [a, b, c, d]) = (self.q, other.q);
-        let factor = self.p.x.all(factor);
-        Self {
-            q: [
-                x + a * factor,
-                y + b * factor,
-                z + c * factor,
-                w + d * factor,
-            ],
-            p: self.p + other.p * factor,
-            P: self.P + other.P * factor,
-            h: self.h + other.h * factor,
-        }
-    }
 }
 
 impl<T: Real> PoseMomentum<T> {
@@ -87,33 +69,6 @@ impl<T: Real> PoseMomentum<T> {
             p_NoBo_N: p.stored(),
             P: P.stored(),
             h_SScm_N: h.stored(),
-        }
-    }
-
-    /// The state after `dt` seconds at a constant rate, its quaternion of length one.
-    #[inline(always)]
-    pub fn moved(&self, rate: &PoseMomentumRate<T>, dt: f64) -> Self {
-        let [x, y, z, w] = self.quaternion();
-        let [a, b, c, d] = rate.q;
-        let dt = x.all(dt);
-        let q = quaternion::unit([x + a * dt, y + b * dt, z + c * dt, w + d * dt]);
-        let p = V3::of(&self.p_NoBo_N) + rate.p * dt;
-        let P = V3::of(&self.P) + rate.P * dt;
-        let h = V3::of(&self.h_SScm_N) + rate.h * dt;
-        Self::from_parts(q, &p, &P, &h)
-    }
-
-    /// `to - self`, the quaternions in one hemisphere.
-    #[inline(always)]
-    fn difference(&self, to: &Self) -> PoseMomentumRate<T> {
-        let ([x, y, z, w], [a, b, c, d]) = (self.quaternion(), to.quaternion());
-        let cosine = x * a + y * b + z * c + w * d;
-        let side = cosine / cosine.magnitude();
-        PoseMomentumRate {
-            q: [a * side - x, b * side - y, c * side - z, d * side - w],
-            p: V3::of(&to.p_NoBo_N) - V3::of(&self.p_NoBo_N),
-            P: V3::of(&to.P) - V3::of(&self.P),
-            h: V3::of(&to.h_SScm_N) - V3::of(&self.h_SScm_N),
         }
     }
 }
@@ -147,19 +102,48 @@ pub trait Moving: Copy {
 impl<T: Real> Moving for PoseMomentum<T> {
     type Rate = PoseMomentumRate<T>;
 
+    /// The quaternion keeps length one.
     #[inline(always)]
     fn after(&self, rate: &Self::Rate, dt: f64) -> Self {
-        self.moved(rate, dt)
+        let [x, y, z, w] = self.quaternion();
+        let [a, b, c, d] = rate.q;
+        let dt = x.all(dt);
+        let q = quaternion::unit([x + a * dt, y + b * dt, z + c * dt, w + d * dt]);
+        let p = V3::of(&self.p_NoBo_N) + rate.p * dt;
+        let P = V3::of(&self.P) + rate.P * dt;
+        let h = V3::of(&self.h_SScm_N) + rate.h * dt;
+        Self::from_parts(q, &p, &P, &h)
     }
 
     #[inline(always)]
     fn sum(rate: &Self::Rate, other: &Self::Rate, factor: f64) -> Self::Rate {
-        rate.plus(other, factor)
+        let ([x, y, z, w], [a, b, c, d]) = (rate.q, other.q);
+        let factor = rate.p.x.all(factor);
+        PoseMomentumRate {
+            q: [
+                x + a * factor,
+                y + b * factor,
+                z + c * factor,
+                w + d * factor,
+            ],
+            p: rate.p + other.p * factor,
+            P: rate.P + other.P * factor,
+            h: rate.h + other.h * factor,
+        }
     }
 
+    /// The quaternions in one hemisphere.
     #[inline(always)]
     fn until(&self, to: &Self) -> Self::Rate {
-        self.difference(to)
+        let ([x, y, z, w], [a, b, c, d]) = (self.quaternion(), to.quaternion());
+        let cosine = x * a + y * b + z * c + w * d;
+        let side = cosine / cosine.magnitude();
+        PoseMomentumRate {
+            q: [a * side - x, b * side - y, c * side - z, d * side - w],
+            p: V3::of(&to.p_NoBo_N) - V3::of(&self.p_NoBo_N),
+            P: V3::of(&to.P) - V3::of(&self.P),
+            h: V3::of(&to.h_SScm_N) - V3::of(&self.h_SScm_N),
+        }
     }
 }
 
