@@ -110,7 +110,7 @@ pub enum Axes {
     None,
 }
 
-/// Properties of a kind of sensor: one row a kind.
+/// Properties of a kind of sensor.
 #[derive(Clone, Copy)]
 struct Facts {
     /// Word in results; in a model file that of [`SensorKind::declared_as`].
@@ -158,124 +158,6 @@ const SCALAR: Facts = Facts {
     ..VECTOR
 };
 
-const GYRO: Facts = Facts {
-    word: "gyro",
-    about: "Angular velocity in body axes, rad/s.",
-    units: &["rad_s"],
-    columns: &["omega_x", "omega_y", "omega_z"],
-    ..VECTOR
-};
-const ATTITUDE: Facts = Facts {
-    word: "attitude",
-    about: "Attitude, quaternion body to inertial.",
-    units: &["rad"],
-    columns: &["q_x", "q_y", "q_z", "q_w"],
-    ..ROTATION
-};
-const POSITION: Facts = Facts {
-    word: "position",
-    about: "Position of the sensor point in inertial axes, m.",
-    units: &["m"],
-    axes: Axes::Inertial,
-    columns: &["r_x", "r_y", "r_z"],
-    ..VECTOR
-};
-const VELOCITY: Facts = Facts {
-    word: "velocity",
-    about: "Velocity of the sensor point in inertial axes, m/s.",
-    units: &["m_s"],
-    axes: Axes::Inertial,
-    columns: &["v_x", "v_y", "v_z"],
-    ..VECTOR
-};
-const VELOCITY_INCREMENT: Facts = Facts {
-    word: "velocity_increment",
-    about: "Velocity increment over one sample interval, m/s.",
-    units: &["m_s"],
-    axes: Axes::Inertial,
-    columns: &["dv_x", "dv_y", "dv_z"],
-    noise: true,
-    ..VECTOR
-};
-const ACCELEROMETER: Facts = Facts {
-    word: "accelerometer",
-    about: "Specific force at the sensor point in body axes, m/s2.",
-    units: &["m_s2"],
-    columns: &["acc_x", "acc_y", "acc_z"],
-    noise: true,
-    ..VECTOR
-};
-const DIRECTION: Facts = Facts {
-    word: "direction",
-    about: "Direction of a vector known in inertial axes (sun, magnetic field), in body axes: a vector of any length.",
-    units: &["rad"],
-    columns: &["direction_x", "direction_y", "direction_z"],
-    // None along itself.
-    numbers: 2,
-    errors: &[ErrorKey::Bias, ErrorKey::Misalignment, ErrorKey::Lag],
-    noise: true,
-    ..VECTOR
-};
-const RELATIVE_ATTITUDE: Facts = Facts {
-    word: "relative_attitude",
-    units: &["rad"],
-    columns: &[
-        "relative_q_x",
-        "relative_q_y",
-        "relative_q_z",
-        "relative_q_w",
-    ],
-    noise: true,
-    in_inertial: Some(SensorKind::Attitude),
-    ..ROTATION
-};
-const RELATIVE_POSITION: Facts = Facts {
-    word: "relative_position",
-    units: &["m"],
-    axes: Axes::Inertial,
-    columns: &["relative_r_x", "relative_r_y", "relative_r_z"],
-    noise: true,
-    in_inertial: Some(SensorKind::Position),
-    ..VECTOR
-};
-const RELATIVE_VELOCITY: Facts = Facts {
-    word: "relative_velocity",
-    units: &["m_s"],
-    axes: Axes::Inertial,
-    columns: &["relative_v_x", "relative_v_y", "relative_v_z"],
-    noise: true,
-    in_inertial: Some(SensorKind::Velocity),
-    ..VECTOR
-};
-const JOINT_POSITION: Facts = Facts {
-    word: "joint_position",
-    about: "Joint positions, rad or m.",
-    units: &["rad", "m"],
-    errors: &[ErrorKey::Bias, ErrorKey::Scale, ErrorKey::Lag],
-    ..SCALAR
-};
-const JOINT_RATE: Facts = Facts {
-    word: "joint_rate",
-    about: "Joint rates, rad/s or m/s.",
-    units: &["rad_s", "m_s"],
-    errors: &[ErrorKey::Bias, ErrorKey::Scale],
-    ..SCALAR
-};
-const WHEEL_SPEED: Facts = Facts {
-    word: "wheel_speed",
-    about: "Wheel speeds relative to the host, rad/s.",
-    units: &["rad_s"],
-    // Only the product of its scale and the spin inertia acts: the spin inertia stands for both.
-    errors: &[ErrorKey::Bias, ErrorKey::Lag],
-    ..SCALAR
-};
-const THRUST: Facts = Facts {
-    word: "thrust",
-    about: "Thrusts, N.",
-    units: &["N"],
-    ..SCALAR
-};
-
 impl SensorKind {
     /// Every kind, in the order of the results.
     pub const ALL: [Self; 14] = [
@@ -297,20 +179,123 @@ impl SensorKind {
 
     const fn facts(self) -> Facts {
         match self {
-            Self::Gyro => GYRO,
-            Self::Attitude => ATTITUDE,
-            Self::Position => POSITION,
-            Self::Velocity => VELOCITY,
-            Self::VelocityIncrement => VELOCITY_INCREMENT,
-            Self::Accelerometer => ACCELEROMETER,
-            Self::Direction => DIRECTION,
-            Self::RelativeAttitude => RELATIVE_ATTITUDE,
-            Self::RelativePosition => RELATIVE_POSITION,
-            Self::RelativeVelocity => RELATIVE_VELOCITY,
-            Self::JointPosition => JOINT_POSITION,
-            Self::JointRate => JOINT_RATE,
-            Self::WheelSpeed => WHEEL_SPEED,
-            Self::Thrust => THRUST,
+            Self::Gyro => Facts {
+                word: "gyro",
+                about: "Angular velocity in body axes, rad/s.",
+                units: &["rad_s"],
+                columns: &["omega_x", "omega_y", "omega_z"],
+                ..VECTOR
+            },
+            Self::Attitude => Facts {
+                word: "attitude",
+                about: "Attitude, quaternion body to inertial.",
+                units: &["rad"],
+                columns: &["q_x", "q_y", "q_z", "q_w"],
+                ..ROTATION
+            },
+            Self::Position => Facts {
+                word: "position",
+                about: "Position of the sensor point in inertial axes, m.",
+                units: &["m"],
+                axes: Axes::Inertial,
+                columns: &["r_x", "r_y", "r_z"],
+                ..VECTOR
+            },
+            Self::Velocity => Facts {
+                word: "velocity",
+                about: "Velocity of the sensor point in inertial axes, m/s.",
+                units: &["m_s"],
+                axes: Axes::Inertial,
+                columns: &["v_x", "v_y", "v_z"],
+                ..VECTOR
+            },
+            Self::VelocityIncrement => Facts {
+                word: "velocity_increment",
+                about: "Velocity increment over one sample interval, m/s.",
+                units: &["m_s"],
+                axes: Axes::Inertial,
+                columns: &["dv_x", "dv_y", "dv_z"],
+                noise: true,
+                ..VECTOR
+            },
+            Self::Accelerometer => Facts {
+                word: "accelerometer",
+                about: "Specific force at the sensor point in body axes, m/s2.",
+                units: &["m_s2"],
+                columns: &["acc_x", "acc_y", "acc_z"],
+                noise: true,
+                ..VECTOR
+            },
+            Self::Direction => Facts {
+                word: "direction",
+                about: "Direction of a vector known in inertial axes (sun, magnetic field), in body axes: a vector of any length.",
+                units: &["rad"],
+                columns: &["direction_x", "direction_y", "direction_z"],
+                // None along itself.
+                numbers: 2,
+                errors: &[ErrorKey::Bias, ErrorKey::Misalignment, ErrorKey::Lag],
+                noise: true,
+                ..VECTOR
+            },
+            Self::RelativeAttitude => Facts {
+                word: "relative_attitude",
+                units: &["rad"],
+                columns: &[
+                    "relative_q_x",
+                    "relative_q_y",
+                    "relative_q_z",
+                    "relative_q_w",
+                ],
+                noise: true,
+                in_inertial: Some(SensorKind::Attitude),
+                ..ROTATION
+            },
+            Self::RelativePosition => Facts {
+                word: "relative_position",
+                units: &["m"],
+                axes: Axes::Inertial,
+                columns: &["relative_r_x", "relative_r_y", "relative_r_z"],
+                noise: true,
+                in_inertial: Some(SensorKind::Position),
+                ..VECTOR
+            },
+            Self::RelativeVelocity => Facts {
+                word: "relative_velocity",
+                units: &["m_s"],
+                axes: Axes::Inertial,
+                columns: &["relative_v_x", "relative_v_y", "relative_v_z"],
+                noise: true,
+                in_inertial: Some(SensorKind::Velocity),
+                ..VECTOR
+            },
+            Self::JointPosition => Facts {
+                word: "joint_position",
+                about: "Joint positions, rad or m.",
+                units: &["rad", "m"],
+                errors: &[ErrorKey::Bias, ErrorKey::Scale, ErrorKey::Lag],
+                ..SCALAR
+            },
+            Self::JointRate => Facts {
+                word: "joint_rate",
+                about: "Joint rates, rad/s or m/s.",
+                units: &["rad_s", "m_s"],
+                errors: &[ErrorKey::Bias, ErrorKey::Scale],
+                ..SCALAR
+            },
+            Self::WheelSpeed => Facts {
+                word: "wheel_speed",
+                about: "Wheel speeds relative to the host, rad/s.",
+                units: &["rad_s"],
+                // Only the product of its scale and the spin inertia acts: the spin inertia stands for both.
+                errors: &[ErrorKey::Bias, ErrorKey::Lag],
+                ..SCALAR
+            },
+            Self::Thrust => Facts {
+                word: "thrust",
+                about: "Thrusts, N.",
+                units: &["N"],
+                ..SCALAR
+            },
         }
     }
 
