@@ -8,7 +8,6 @@ use crate::motion::attitude_control::{AttitudeControl, SAME, WheelDrive};
 use crate::motion::plan::Plan;
 use crate::motion::reaction_wheel::WheelLimits;
 use crate::motion::times::Times;
-use crate::motion::wheel_motion::WheelMotion;
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 
 /// Rows of `-C^T (C C^T)^-1`; the error is the number of directions that the axes span.
@@ -64,10 +63,8 @@ impl<'p> Controller<'p> {
         times: &'p Times<'p>,
     ) -> Option<Self> {
         let controlled = plan.wheels.iter().enumerate();
-        let controlled = controlled.filter_map(|(wheel, motion)| match motion {
-            WheelMotion::Controlled { limits, .. } => Some((wheel, *limits)),
-            WheelMotion::Speed(_) | WheelMotion::Torque { .. } => None,
-        });
+        let controlled = controlled
+            .filter_map(|(wheel, motion)| motion.controlled().map(|(_, limits)| (wheel, limits)));
         let commanded = |((wheel, limits), row): ((usize, WheelLimits), &Vector3)| Commanded {
             wheel,
             row: *row,

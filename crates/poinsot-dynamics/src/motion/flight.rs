@@ -190,15 +190,8 @@ impl<'p> Flight<'p> {
 
 /// Shares of the controlled wheels in a torque on the body, at the placement at time zero.
 fn allocate(tree: &Tree, plan: &Plan) -> Result<Vec<Vector3>, MotionError> {
-    let limits = |wheel: &WheelMotion| match wheel {
-        WheelMotion::Controlled {
-            initial_speed,
-            limits,
-        } => Some((*initial_speed, *limits)),
-        WheelMotion::Speed(_) | WheelMotion::Torque { .. } => None,
-    };
     let Some(law) = &plan.control else {
-        let waits = plan.wheels.iter().any(|w| limits(w).is_some());
+        let waits = plan.wheels.iter().any(|w| w.controlled().is_some());
         let what = "a wheel waits for a controller; give the plan one";
         return if waits {
             Err(MotionError::Control(what))
@@ -206,7 +199,7 @@ fn allocate(tree: &Tree, plan: &Plan) -> Result<Vec<Vector3>, MotionError> {
             Ok(Vec::new())
         };
     };
-    let mut controlled = plan.wheels.iter().filter_map(limits);
+    let mut controlled = plan.wheels.iter().filter_map(WheelMotion::controlled);
     let fault = law.fault();
     if let Some(what) = fault.or_else(|| {
         let valid = controlled.all(|(speed, limits)| limits.is_valid() && speed.is_finite());
@@ -220,7 +213,7 @@ fn allocate(tree: &Tree, plan: &Plan) -> Result<Vec<Vector3>, MotionError> {
     let kinematics = Kinematics::at(tree, &q);
     let rotors = tree.rotors.iter().zip(&plan.wheels);
     let axes: Vec<Vector3> = rotors
-        .filter(|(_, wheel)| limits(wheel).is_some())
+        .filter(|(_, wheel)| wheel.controlled().is_some())
         .map(|(rotor, _)| kinematics.R[rotor.body] * rotor.axis_B)
         .collect();
     let wheels = axes.len();

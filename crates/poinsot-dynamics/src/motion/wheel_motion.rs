@@ -62,11 +62,20 @@ impl WheelMotion {
         }
     }
 
+    /// Speed at the start, rad/s, and limits of a wheel that the controller commands.
+    pub(crate) fn controlled(&self) -> Option<(f64, WheelLimits)> {
+        match self {
+            Self::Controlled {
+                initial_speed,
+                limits,
+            } => Some((*initial_speed, *limits)),
+            Self::Speed(_) | Self::Torque { .. } => None,
+        }
+    }
+
     /// Torque of the bearing on the rotor at a speed relative to the host, N m.
     pub(crate) fn friction(&self, speed: f64) -> f64 {
-        match self {
-            Self::Controlled { limits, .. } => limits.friction(speed),
-            Self::Speed(_) | Self::Torque { .. } => 0.0,
-        }
+        self.controlled()
+            .map_or(0.0, |(_, limits)| limits.friction(speed))
     }
 }
