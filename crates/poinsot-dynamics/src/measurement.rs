@@ -176,16 +176,6 @@ impl<T: Real> Ideal<T> {
     }
 }
 
-impl PartialEq for Ideal {
-    fn eq(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::Vector(a), Self::Vector(b)) => a == b,
-            (Self::Rotation(a), Self::Rotation(b)) => a == b,
-            _ => false,
-        }
-    }
-}
-
 /// Ideal measurement with its derivatives.
 #[derive(Debug, Clone, Copy)]
 pub struct Measurement<T = f64> {
