@@ -61,7 +61,7 @@ impl SensorErrors {
     /// Derivative of the measurement over one error.
     pub fn slope(&self, error: SensorError, x: &Vector3, rate: &Vector3) -> Vector3 {
         match error {
-            SensorError::Bias(k) => unit(k),
+            SensorError::Bias(k) => Vector3::ith(k, 1.0),
             SensorError::Lag => -self.change(rate),
             other => turn_of(other) * (x - rate * self.lag_s),
         }
@@ -71,8 +71,8 @@ impl SensorErrors {
 /// Effect of one unit of an error on the axes.
 fn turn_of(error: SensorError) -> Matrix3 {
     match error {
-        SensorError::Scale(k) => Matrix3::from_diagonal(&unit(k)),
-        SensorError::Misalignment(k) => skew(&unit(k)),
+        SensorError::Scale(k) => Matrix3::from_diagonal(&Vector3::ith(k, 1.0)),
+        SensorError::Misalignment(k) => skew(&Vector3::ith(k, 1.0)),
         SensorError::Nonorthogonality(k) => {
             let (i, j) = ((k + 1) % 3, (k + 2) % 3);
             let mut both = Matrix3::zeros();
@@ -82,12 +82,6 @@ fn turn_of(error: SensorError) -> Matrix3 {
         }
         SensorError::Bias(_) | SensorError::Lag => Matrix3::zeros(),
     }
-}
-
-fn unit(k: usize) -> Vector3 {
-    let mut e = Vector3::zeros();
-    e[k] = 1.0;
-    e
 }
 
 #[cfg(test)]

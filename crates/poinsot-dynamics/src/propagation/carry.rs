@@ -123,7 +123,7 @@ impl<R: Copy> StepRows<'_, R> {
         add(&mut slope.0, &pose[at], one);
         if let Some(rows) = self.momentum[at] {
             add(&mut slope.1, &rows.attitude_times(phi), one);
-            if rows.is_coupled() {
+            if rows.coupled {
                 add(&mut slope.1, &rows.momentum_times(momentum), one);
             }
         }

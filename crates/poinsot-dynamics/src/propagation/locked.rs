@@ -52,13 +52,9 @@ impl LockedVehicle {
     /// `joints` is the momentum `[l; h]` about `Bo` of joint rates and wheels while the base is at rest. `turning` is `whole`
     /// without the axial inertia of wheels whose axial momentum is given, not their speed. `None` without positive mass or inertia.
     pub fn new(whole: &Composite, turning: &Composite, joints: &Vector6<f64>) -> Option<Self> {
-        let inertial = |c: &Composite| Inertial {
-            mass: c.mass,
-            mc: V3::of(&c.mc),
-            I: Symmetric::of(&c.I_SBo_B),
-        };
+        let [whole, turning] = [whole, turning].map(|c| Inertial::of(&c.parameters()));
         let (l, h) = halves(joints);
-        Self::over(&inertial(whole), &inertial(turning), (&l, &h))
+        Self::over(&whole, &turning, (&l, &h))
     }
 }
 

@@ -21,7 +21,7 @@ pub struct StateRows<T = f64> {
     attitude: [[T; HALF]; ATTITUDE],
     momentum: [[T; HALF]; HALF],
     /// Whether a momentum enters.
-    coupled: bool,
+    pub(super) coupled: bool,
 }
 
 impl<T: Real> StateRows<T> {
@@ -36,11 +36,6 @@ impl<T: Real> StateRows<T> {
 }
 
 impl<R: Copy> StateRows<R> {
-    /// Whether a momentum enters.
-    pub(super) fn is_coupled(&self) -> bool {
-        self.coupled
-    }
-
     #[inline(always)]
     pub(super) fn attitude_times<T: Real + Mul<R, Output = T>>(
         &self,
@@ -154,10 +149,7 @@ pub(super) fn halves<T>(x: &[T; STATE]) -> (&[T; HALF], &[T; HALF]) {
 /// ```
 #[inline]
 pub fn pose_change(R_NB: &Matrix3<f64>, twist: &Vector6<f64>) -> Vector6<f64> {
-    let (v, w) = (
-        V3::new(twist.x, twist.y, twist.z),
-        V3::new(twist.w, twist.a, twist.b),
-    );
+    let (v, w) = parts(&twist.data.0[0]);
     Vector6::from(pose_rate(&M3::of(R_NB), &v, &w))
 }
 
