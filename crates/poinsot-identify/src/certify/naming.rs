@@ -5,7 +5,7 @@ use crate::problem::Problem;
 use crate::problem::parameters::{
     Equations, Parameters, Part, TENSOR, Unknown, UnknownKind, axis_name,
 };
-use crate::problem::quantity::parameters_in_base;
+use crate::problem::quantity::{self, parameters_in_base};
 use crate::problem::question::INTERVAL;
 use crate::solution::estimate::UnobservableCombination;
 use crate::solution::solved::Solution;
@@ -317,11 +317,7 @@ fn joint_symmetries(
 fn moves(link: &Link, stands: bool, [c, p, joint]: [&str; 3]) -> Vec<(String, InertialParameters)> {
     let u = link.axis_C;
     let line = Matrix3::identity() - u * u.transpose();
-    let unit = |k| {
-        let mut pi = [0.0; 10];
-        pi[k] = 1.0;
-        InertialParameters::from_array(&pi)
-    };
+    let unit = |k| InertialParameters::from_array(&quantity::unit(k));
     match (link.motion, stands) {
         (Motion::Revolute(_), false) => vec![
             (

@@ -84,17 +84,9 @@ pub(crate) fn start(
         .enumerate()
         .filter(|(_, wanted)| **wanted)
     {
-        for k in 0..3 {
-            let mut column = Column::zeros();
-            column[3 * part + k] = 1.0;
-            columns.push(column);
-        }
+        columns.extend((0..3).map(|k| Column::ith(3 * part + k, 1.0)));
     }
-    for number in 0..2 * unknown.internal {
-        let mut column = Column::zeros();
-        column[STATE + number] = 1.0;
-        columns.push(column);
-    }
+    columns.extend((0..2 * unknown.internal).map(|k| Column::ith(STATE + k, 1.0)));
     columns.resize(unknown.count() + unknowns, Column::zeros());
     (*initial_state, columns)
 }

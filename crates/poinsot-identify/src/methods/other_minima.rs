@@ -170,8 +170,7 @@ impl<'a> Spin<'a> {
     /// The same at the mean rate, and its slope: the inertia.
     fn turning(&self, x: &[f64]) -> (Vector3, Matrix3) {
         let h = self.momentum(x, self.w_NB_B);
-        let unit = |k: usize| Vector3::from_fn(|i, _| f64::from(u8::from(i == k)));
-        let column = |k: usize| self.momentum(x, self.w_NB_B + unit(k)) - h;
+        let column = |k: usize| self.momentum(x, self.w_NB_B + Vector3::ith(k, 1.0)) - h;
         (h, Matrix3::from_columns(&[column(0), column(1), column(2)]))
     }
 

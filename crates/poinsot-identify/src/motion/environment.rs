@@ -45,7 +45,7 @@ impl Motion<'_> {
         centre: &MassCentre,
     ) -> Vector3 {
         let acceleration = match component.checked_sub(GRADIENT) {
-            Some(axis) => Vector3::from_fn(|i, _| f64::from(u8::from(i == axis))),
+            Some(axis) => Vector3::ith(axis, 1.0),
             None => symmetric(component) * (state.p_NoBo_N + state.R_NB * centre.p_BoScm_B),
         };
         acceleration * centre.mass
@@ -102,9 +102,7 @@ impl Motion<'_> {
         let inertial = to_base * v.torque_N;
         let mut change = v.torque_change(w, dw, kind) + inertial.cross(dphi);
         if let Some(UnknownKind::InertialTorque(k)) = kind {
-            let mut e = Vector3::zeros();
-            e[*k] = 1.0;
-            change += to_base * e;
+            change += to_base * Vector3::ith(*k, 1.0);
         }
         if let Some(UnknownKind::GravityGradient(k)) = kind {
             let growth = if *k < GRADIENT {

@@ -402,8 +402,7 @@ impl Parameters {
 /// inertia: `d(m c)` and `d(m (c.c 1 - c c^T))`.
 fn mass_centre_slope(body: &MassProperties, axis: usize) -> Vec<(usize, f64)> {
     let (m, c) = (body.mass, body.p_BoBcm_B);
-    let mut e = Vector3::zeros();
-    e[axis] = 1.0;
+    let e = Vector3::ith(axis, 1.0);
     let shift =
         (nalgebra::Matrix3::identity() * (2.0 * c[axis]) - e * c.transpose() - c * e.transpose())
             * m;

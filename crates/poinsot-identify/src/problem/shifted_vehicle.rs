@@ -91,9 +91,7 @@ fn reread(segments: &mut [Segment], number: KnownNumber, component: usize, chang
                 }
             }
             KnownNumber::Mounting(sensor) => {
-                let mut turn = Vector3::zeros();
-                turn[component % 3] = change;
-                let turn = UnitQuaternion::from_scaled_axis(turn);
+                let turn = UnitQuaternion::from_scaled_axis(Vector3::ith(component % 3, change));
                 let records = segment.observations.sensors.iter_mut();
                 for record in records.filter(|r| r.sensor == Some(sensor)) {
                     let attitude = record.kind.is_rotation();

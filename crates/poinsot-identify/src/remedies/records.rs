@@ -79,8 +79,7 @@ impl Baseline<'_> {
         let fastest = self.problem.segments[0].samples.w_NB_B.iter();
         let fastest = fastest.map(|w| w.norm()).fold(RATE, f64::max);
         for axis in 0..3 {
-            let mut w = Vector3::zeros();
-            w[axis] = fastest;
+            let w = Vector3::ith(axis, fastest);
             let mut turning = trial.clone();
             turning.initial_state.h_SScm_N += trial.initial_state.R_NB * (I * w);
             let text = format!(

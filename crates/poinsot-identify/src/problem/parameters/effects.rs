@@ -140,8 +140,7 @@ impl UnknownKind {
             None => here,
             // The slope of a quadratic, from both sides of it.
             Some(k) => {
-                let mut e = Vector3::zeros();
-                e[*k] = 1.0;
+                let e = Vector3::ith(*k, 1.0);
                 let ends = [p_BoF_B + e, p_BoF_B - e].map(|p| point_mass(&p));
                 InertialParameters::ZERO
                     .with_added(0.5, &ends[0])
