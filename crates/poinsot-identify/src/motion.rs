@@ -84,11 +84,13 @@ struct InputState {
     share: f64,
 }
 
-/// An evaluated state; its inputs are those in [`Motion::input_state`].
-struct EvaluatedState {
+/// An evaluated state, from which another propagation of the same segment can resume; its inputs are those in
+/// [`Motion::input_state`].
+#[derive(Clone)]
+pub(crate) struct EvaluatedState {
     /// Grid time, and share of the interval after it.
     at: (usize, f64),
-    state: State,
+    pub state: State,
     instant: Instant,
     /// Where sensitivities are wanted.
     variation: Option<Arc<Variation>>,
@@ -138,14 +140,6 @@ impl Spare {
     fn variation(&mut self) -> Arc<Variation> {
         self.variations.pop().unwrap_or_default()
     }
-}
-
-/// State of one propagation at a grid time without sensitivities, from which another one of the same segment can
-/// resume.
-pub(crate) struct PropagatedState {
-    pub state: State,
-    instant: Instant,
-    variation: Option<Arc<Variation>>,
 }
 
 /// Workspace of one propagation.
@@ -279,26 +273,16 @@ impl<'a> Motion<'a> {
     }
 
     /// State at grid time k.
-    pub fn propagated_state(&mut self, state: &State, k: usize) -> Option<PropagatedState> {
+    pub fn evaluated_state(&mut self, state: &State, k: usize) -> Option<EvaluatedState> {
         self.evaluate_at_grid_time(state, k)?;
-        let evaluated = self.evaluated.as_ref()?;
-        Some(PropagatedState {
-            state: evaluated.state,
-            instant: evaluated.instant,
-            variation: evaluated.variation.clone(),
-        })
+        self.evaluated.as_deref().cloned()
     }
 
     /// Resumes at grid time k from another propagation and these sensitivities.
-    pub fn resume_from(&mut self, known: &PropagatedState, columns: &[Column], k: usize) {
+    pub fn resume_from(&mut self, known: &EvaluatedState, columns: &[Column], k: usize) {
         self.columns.copy_from_slice(columns);
         self.return_to(k, &known.state, &known.instant);
-        self.keep(EvaluatedState {
-            at: (k, 0.0),
-            state: known.state,
-            instant: known.instant,
-            variation: known.variation.clone(),
-        });
+        self.keep(known.clone());
     }
 
     /// Joint positions, joint rates, wheel speeds and bodies that the last evaluation of the velocity used.

@@ -3,7 +3,7 @@
 //! What each computes, and in what order, does not depend on the other: the result is that of one thread, bit by bit.
 
 use super::SegmentComparison;
-use crate::motion::{Column, Motion, PropagatedState, State};
+use crate::motion::{Column, EvaluatedState, Motion, State};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::{Builder, scope};
 
@@ -17,7 +17,7 @@ const WAITING: usize = 4;
 /// Pose, momentum and their sensitivities at some grid times in a row.
 #[derive(Default)]
 struct GridBlock {
-    known: Vec<PropagatedState>,
+    known: Vec<EvaluatedState>,
     columns: Vec<Column>,
 }
 
@@ -80,7 +80,7 @@ fn follow(
     for first in (0..samples).step_by(BATCH) {
         let mut stretch = GridBlock::default();
         for k in first..(first + BATCH).min(samples) {
-            stretch.known.push(motion.propagated_state(&state, k)?);
+            stretch.known.push(motion.evaluated_state(&state, k)?);
             stretch.columns.extend_from_slice(&motion.columns);
             if k + 1 < samples {
                 state = motion.advance(&state, k)?;
