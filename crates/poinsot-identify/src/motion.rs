@@ -191,10 +191,6 @@ fn steps_allowed(tree: &Tree, o: &Observations, gyration: f64) -> f64 {
     let joints = joints.map(|rates| joint_frequency(tree, rates, gyration));
     let of_joints = joints.zip(t.windows(2)).map(|(w, t)| w * (t[1] - t[0]));
     let of_joints = of_joints.sum::<f64>() / TURN;
-    let steps = o
-        .rates()
-        .filter_map(|(k, w)| Some((w, t.get(k + 1)? - t[k])));
-    let turn: f64 = steps.map(|(w, h)| w.norm() * h).sum();
     let seen = o.rates().count();
     if seen == 0 {
         return 1.0e4 * o.time_s.len() as f64 + of_joints;
@@ -202,7 +198,7 @@ fn steps_allowed(tree: &Tree, o: &Observations, gyration: f64) -> f64 {
     // Between the samples of a slow gyro the turn is that of the gap.
     let seen = seen as f64;
     let share = o.time_s.len() as f64 / seen;
-    1000.0 + 6.0 * o.time_s.len() as f64 + of_joints + FASTER * share * turn / TURN
+    1000.0 + 6.0 * o.time_s.len() as f64 + of_joints + FASTER * share * o.turned() / TURN
 }
 
 impl InputState {

@@ -238,13 +238,8 @@ fn deflections(experiment: &Experiment, fitted: &Fitted) -> Vec<Deflection> {
 fn turn_between_readings(experiment: &Experiment) -> f64 {
     let (mut turn, mut intervals) = (0.0, 0);
     for segment in experiment.problem.segments {
-        let o = &segment.observations;
-        let t = &o.time_s;
-        let steps = o
-            .rates()
-            .filter_map(|(k, w)| Some((w, t.get(k + 1)? - t[k])));
-        turn += steps.map(|(w, h)| w.norm() * h).sum::<f64>();
-        intervals += t.len().saturating_sub(1);
+        turn += segment.observations.turned();
+        intervals += segment.observations.time_s.len().saturating_sub(1);
     }
     turn / intervals.max(1) as f64
 }

@@ -332,6 +332,15 @@ impl Observations {
             _ => None,
         })
     }
+
+    /// Angle that the base turns in the intervals after these rates, rad.
+    pub(crate) fn turned(&self) -> f64 {
+        let t = &self.time_s;
+        let steps = self
+            .rates()
+            .filter_map(|(k, w)| Some((w, t.get(k + 1)? - t[k])));
+        steps.map(|(w, h)| w.norm() * h).sum()
+    }
 }
 
 /// What is known of a joint or wheel as an input of a segment.
