@@ -41,7 +41,7 @@ use candidates::{assumptions, candidates};
 use projected::Projected;
 use shared_noise::SharedNoise;
 use suspects::Misfit;
-use table::Table;
+use table::{Table, WIDTH};
 
 /// Excess of chi-square, in its own standard deviations, below which there is no misfit.
 pub(super) const EXCESS: f64 = 6.0;
@@ -139,7 +139,7 @@ fn weighed(
 ) -> Option<Table> {
     out.deflections = deflections(experiment, fitted);
     let (candidates, held) = candidates(experiment, fitted);
-    let table = Table::new(experiment, fitted, &candidates, held);
+    let table = Table::new(experiment, fitted, &candidates, (!held).then_some(WIDTH));
     let about = (candidates.as_slice(), table.as_ref());
     let mut others = noise_models::noise_models(experiment, fitted, &out.channels, about, of);
     if let Some(table) = &table {

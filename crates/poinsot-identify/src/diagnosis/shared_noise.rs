@@ -55,7 +55,7 @@ impl SharedNoise {
         let segments: Vec<Segment> = segments.map(|s| disturbed(s, noise, &mut random)).collect();
         let problem = problem.with_segments(&segments);
         let disturbed = experiment.with_problem(&problem);
-        let other = Table::new(&disturbed, fitted, candidates, true)?;
+        let other = Table::new(&disturbed, fitted, candidates, None)?;
         let changes = other.changes(table, experiment, fitted);
         Some(Self {
             residual: (changes.residual() / fitted.rows().max(1) as f64).min(1.0),

@@ -71,9 +71,7 @@ impl SegmentRows {
             (3 * m, residual, three(self.initial_columns + unknown))
         })
     }
-}
 
-impl SegmentRows {
     /// Gives every measurement the columns of a delay from the nearest earlier and later ones of its sensor that share no
     /// error of the wheels with it.
     ///
@@ -181,7 +179,7 @@ impl Reach {
 }
 
 /// The most columns of candidates in one triangle: its update takes about as long as the evaluation that fills its rows.
-const WIDTH: usize = 128;
+pub(super) const WIDTH: usize = 128;
 
 /// Some of the candidates: columns `[fitted unknowns | their numbers | residual]` of all rows.
 pub(super) struct Group {
@@ -224,18 +222,8 @@ pub(super) struct Table {
 }
 
 impl Table {
-    /// `held` says whether the rows are.
-    pub fn new(
-        experiment: &Experiment,
-        fitted: &Fitted,
-        candidates: &[Candidate],
-        held: bool,
-    ) -> Option<Self> {
-        Self::grouped(experiment, fitted, candidates, (!held).then_some(WIDTH))
-    }
-
     /// In groups of at most so many columns; `None` holds the rows, in one group.
-    fn grouped(
+    pub fn new(
         experiment: &Experiment,
         fitted: &Fitted,
         candidates: &[Candidate],
@@ -296,7 +284,7 @@ impl Table {
                 own.take_slopes_from_others(&late, &reach);
             }
         }
-        let (stacked, start_rows) = self.stack(experiment, &fitted.at, None);
+        let (stacked, start_rows) = self.stack(experiment.prior_rows(&fitted.at, true), None);
         for (own, rows) in self.segments.iter_mut().zip(start_rows) {
             own.start_rows = rows;
         }
@@ -455,24 +443,9 @@ impl Table {
         left
     }
 
-    /// Triangle of the shared unknowns and the candidates, and the rows of each segment that determine its start; with a
-    /// segment given the candidates act in that segment alone.
-    fn stack(
-        &self,
-        experiment: &Experiment,
-        at: &Iterate,
-        only: Option<usize>,
-    ) -> (Triangle, Vec<DMatrix<f64>>) {
-        let priors = experiment.prior_rows(at, true);
-        self.stack_with(priors, only)
-    }
-
-    /// The same with these rows of the fitted unknowns in addition.
-    fn stack_with(
-        &self,
-        priors: Vec<PriorRow>,
-        only: Option<usize>,
-    ) -> (Triangle, Vec<DMatrix<f64>>) {
+    /// Triangle of the shared unknowns and the candidates, and the rows of each segment that determine its start, with these rows of
+    /// the fitted unknowns in addition; with a segment given the candidates act in that segment alone.
+    fn stack(&self, priors: Vec<PriorRow>, only: Option<usize>) -> (Triangle, Vec<DMatrix<f64>>) {
         let (base, all) = (self.base, self.numbers);
         let mut stacked = BlockQr::new(base + all + 1);
         let mut starts = Vec::with_capacity(self.segments.len());
@@ -513,7 +486,7 @@ impl Table {
         }
         let mut priors = experiment.prior_rows(&fitted.at, true);
         priors.iter_mut().for_each(|row| row.residual = 0.0);
-        self.groups[0].stacked = self.stack_with(priors, None).0;
+        self.groups[0].stacked = self.stack(priors, None).0;
         self.projected(experiment, fitted, None)
     }
 
@@ -534,10 +507,10 @@ impl Table {
                 let first = self.groups.first().into_iter();
                 first.for_each(|own| add(own, &self.only_in(only, own.numbers.len())));
             }
-            Some(only) => add(
-                &self.groups[0],
-                &self.stack(experiment, &fitted.at, Some(only)).0,
-            ),
+            Some(only) => {
+                let priors = experiment.prior_rows(&fitted.at, true);
+                add(&self.groups[0], &self.stack(priors, Some(only)).0);
+            }
         }
         all
     }

@@ -149,7 +149,7 @@ fn exact_groups_have_the_scores_of_one() {
         let fitted = fit_from(&experiment, experiment.nominal_point(), 0).unwrap();
         let mut list = candidates(&experiment, &fitted).0;
         list.retain(|c| matches!(c.columns, Columns::Slopes));
-        let table = |most| Table::grouped(&experiment, &fitted, &list, Some(most)).unwrap();
+        let table = |most| Table::new(&experiment, &fitted, &list, Some(most)).unwrap();
         let (whole, parts) = (table(usize::MAX), table(4));
         assert!(whole.groups.len() == 1 && parts.groups.len() > 4);
         let columns = parts.groups.iter().map(|g| g.numbers.len());
