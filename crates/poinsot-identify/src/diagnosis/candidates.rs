@@ -209,10 +209,7 @@ fn shows(experiment: &Experiment, read: &[(usize, String)], kind: &UnknownKind) 
             let mut rates = segments.map(|s| s.observations.joint(*k).rate);
             moves(experiment.problem, *k) && rates.any(|rate| rate == InputRate::Measured)
         }
-        UnknownKind::ThrusterLag(_) => {
-            let mut segments = experiment.problem.segments.iter();
-            segments.any(|s| !s.firings.is_empty())
-        }
+        UnknownKind::ThrusterLag(_) => experiment.problem.fires(),
         UnknownKind::InertialForce(_) | UnknownKind::Tide(_) => !rotation,
         _ => true,
     }

@@ -83,14 +83,7 @@ pub(super) fn lags(
     let driven = [
         (!model.wheels.is_empty(), "wheels"),
         (experiment.problem.tree.dof() > 0, "joints"),
-        (
-            experiment
-                .problem
-                .segments
-                .iter()
-                .any(|s| !s.firings.is_empty()),
-            "thrust",
-        ),
+        (experiment.problem.fires(), "thrust"),
     ];
     let driven: Vec<&str> = driven.iter().filter(|d| d.0).map(|d| d.1).collect();
     let mut list = Vec::new();

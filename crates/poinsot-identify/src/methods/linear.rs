@@ -158,8 +158,7 @@ fn refine_known_momentum(problem: &Problem, mut found: Reduced) -> Result<Reduce
 
 fn solve(problem: &Problem, centres: Option<&[Vector3]>) -> Result<Reduced, ProblemError> {
     let equations = problem.linear_equations();
-    let fires = problem.segments.iter().any(|s| !s.firings.is_empty());
-    let parameters = Parameters::new(problem.model, problem.tree, equations, fires)?;
+    let parameters = problem.parameters(equations)?;
     let wheels = &problem.model.wheels;
     let nominal_spin = problem.model.spin_inertias();
     let spin_inertia: Vec<f64> = wheels

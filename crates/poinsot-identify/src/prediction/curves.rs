@@ -11,8 +11,8 @@ use crate::methods::linear::{linear, solve_linear};
 use crate::methods::maximum_likelihood::FinishedFit;
 use crate::motion::input_noise::InputNoise;
 use crate::motion::{Motion, State, Vehicle, tilted};
-use crate::problem::parameters::{Equations, Parameters};
-use crate::problem::refusal::{NO_MOTION, NO_VELOCITY};
+use crate::problem::parameters::Parameters;
+use crate::problem::refusal::NO_MOTION;
 use crate::problem::segment::{Segment, SensorRecord, SensorValue};
 use crate::problem::settings::Settings;
 use crate::problem::{Problem, ProblemError};
@@ -118,12 +118,7 @@ pub fn predicted_by(
         body.prior = None;
     }
     let held = problem.with_model(&model);
-    let fires = problem.segments.iter().any(|s| !s.firings.is_empty());
-    let of = |equations| Parameters::new(&model, problem.tree, equations, fires);
-    let parameters = match of(held.linear_equations()) {
-        Err(fault) if fault.code() == NO_VELOCITY => of(Equations::Momentum),
-        other => other,
-    }?;
+    let parameters = held.parameters_or_momentum(held.linear_equations())?;
     let experiment = Experiment::new(&held, &parameters);
     match fit_starts(&experiment, experiment.nominal_point(), STARTS) {
         Ok(at) => Ok(predict(&experiment, &at, points)),

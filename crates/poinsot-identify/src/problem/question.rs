@@ -67,6 +67,11 @@ impl Problem<'_> {
         }
     }
 
+    /// Whether a thruster fires in some segment.
+    pub(crate) fn fires(&self) -> bool {
+        self.segments.iter().any(|s| !s.firings.is_empty())
+    }
+
     /// Whether velocity or position is measured in every segment.
     pub(crate) fn sees_translation(&self) -> bool {
         self.segments
@@ -173,16 +178,30 @@ impl Problem<'_> {
     /// # Errors
     /// The problem is not valid.
     pub(crate) fn likelihood_parameters(&self) -> Result<Parameters, ProblemError> {
-        let fires = self.segments.iter().any(|s| !s.firings.is_empty());
-        let of = |equations| Parameters::new(self.model, self.tree, equations, fires);
-        let equations = match self.sees_points() {
+        self.parameters_or_momentum(match self.sees_points() {
             true => Equations::Momentum,
             false => self.linear_equations(),
-        };
-        match of(equations) {
-            Err(fault) if fault.code() == NO_VELOCITY => of(Equations::Momentum),
+        })
+    }
+
+    /// The unknowns of these equations; where they need a velocity that is not there, those of momentum.
+    ///
+    /// # Errors
+    /// The problem is not valid.
+    pub(crate) fn parameters_or_momentum(
+        &self,
+        equations: Equations,
+    ) -> Result<Parameters, ProblemError> {
+        match self.parameters(equations) {
+            Err(fault) if fault.code() == NO_VELOCITY => self.parameters(Equations::Momentum),
             other => other,
         }
+    }
+
+    /// # Errors
+    /// The problem is not valid for these equations.
+    pub(crate) fn parameters(&self, equations: Equations) -> Result<Parameters, ProblemError> {
+        Parameters::new(self.model, self.tree, equations, self.fires())
     }
 
     /// The equations that the linear method can write.
