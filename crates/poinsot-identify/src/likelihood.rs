@@ -13,7 +13,9 @@ pub(crate) use initial_state::{InitialState, InitialStateColumns, MeasuredMotion
 
 use crate::motion::input_curves::InputCurves;
 use crate::motion::input_noise::{FilterSetting, InputNoise};
-use crate::motion::{Column, Grid, Motion, State, Steps, Vehicle, impulse_before, tilted};
+use crate::motion::{
+    Column, Fineness, Grid, Motion, State, Steps, Vehicle, impulse_before, tilted,
+};
 use crate::problem::alternative::BetweenSamples;
 use crate::problem::loss::Loss;
 use crate::problem::parameters::Parameters;
@@ -71,8 +73,10 @@ impl Setting<'_> {
     pub fn steps(&self, segment: usize) -> Steps<'_> {
         Steps {
             grid: self.grids.get(segment),
-            factor: self.factor,
-            bends: self.bends,
+            fineness: Fineness {
+                factor: self.factor,
+                bends: self.bends,
+            },
         }
     }
 

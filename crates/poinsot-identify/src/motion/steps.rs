@@ -14,7 +14,7 @@ pub(crate) struct Grid {
 pub(crate) struct Fineness {
     /// Steps for each one of the grid.
     pub factor: u32,
-    /// Whether wheel speeds bend within an interval wherever the grid would have them straight.
+    /// Whether wheel speeds bend within an interval wherever the grid would have them straight, their axial momentum straight.
     pub bends: bool,
 }
 
@@ -28,22 +28,10 @@ impl Default for Fineness {
 }
 
 /// Integration steps of a segment.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(crate) struct Steps<'a> {
     /// Steps in each interval; `None`: those of the vehicle.
     pub grid: Option<&'a Grid>,
-    /// Steps for each of them.
-    pub factor: u32,
-    /// Whether wheel speeds bend within an interval, their axial momentum straight.
-    pub bends: bool,
-}
-
-impl Default for Steps<'_> {
-    fn default() -> Self {
-        Self {
-            grid: None,
-            factor: 1,
-            bends: false,
-        }
-    }
+    /// Refinement of them.
+    pub fineness: Fineness,
 }
