@@ -222,8 +222,8 @@ fn evaluate_driven(
         Vec::new()
     };
     let motion = || Motion::new(&vehicle, segment, columns.clone(), unknown.count());
-    let mut compare = SegmentComparison::new(setting, segment, x, unknown, with_sensitivities);
-    compare.carry(carried);
+    let asked = (unknown, with_sensitivities);
+    let mut compare = SegmentComparison::new(setting, segment, x, asked, carried);
     let forced = !segment.firings.is_empty() || vehicle.has_environment_torque();
     compare.inputs = InputNoise::new(FilterSetting {
         noise: setting.noise,
@@ -280,14 +280,15 @@ impl<'a> SegmentComparison<'a> {
         setting: &'a Setting<'a>,
         segment: &'a Segment,
         x: &[f64],
-        unknown: InitialStateColumns,
-        with_sensitivities: bool,
+        (unknown, with_sensitivities): (InitialStateColumns, bool),
+        carried: Option<CarriedColumns<'a>>,
     ) -> Self {
         let initial_columns = unknown.count();
         let sensors = &segment.observations.sensors;
         let cursors = SensorCursor::all(sensors, setting, x, initial_columns);
         let triangle = with_sensitivities && !setting.keep_rows;
         let of = |unknowns: usize| BlockQr::new(initial_columns + unknowns + 1);
+        let known = carried.as_ref().map_or(0, CarriedColumns::len);
         Self {
             setting,
             segment,
@@ -295,7 +296,7 @@ impl<'a> SegmentComparison<'a> {
             unmoved: setting.fitted.filter(|_| triangle).map(of),
             initial_columns,
             with_sensitivities,
-            qr: triangle.then(|| of(x.len())),
+            qr: triangle.then(|| of(x.len() + known)),
             rows: 0,
             inputs: InputNoise::default(),
             spare: SpareVectors::default(),
@@ -305,15 +306,7 @@ impl<'a> SegmentComparison<'a> {
             ideal: IdealSeries::default(),
             kept: KeptRows::default(),
             now: 0,
-            carried: None,
-        }
-    }
-
-    /// Takes known numbers in: the triangle gets their columns.
-    fn carry(&mut self, carried: Option<CarriedColumns<'a>>) {
-        self.carried = carried;
-        if self.qr.is_some() {
-            self.qr = Some(BlockQr::new(self.width()));
+            carried,
         }
     }
 
