@@ -95,12 +95,12 @@ impl ForceScratch {
 }
 
 /// The instant and the point of a slope.
-struct Around<'s> {
-    state: &'s State,
-    instant: &'s Instant,
+struct Around {
+    state: State,
+    instant: Instant,
     /// Acceleration of the base.
-    base: &'s Vector6,
-    point: &'s BodyPoint,
+    base: Vector6,
+    point: BodyPoint,
 }
 
 /// An input that is changed.
@@ -196,10 +196,10 @@ impl Motion<'_> {
             R.transpose() * in_B
         }));
         let around = Around {
-            state,
-            instant,
-            base: &base,
-            point,
+            state: *state,
+            instant: *instant,
+            base,
+            point: *point,
         };
         self.add_input_changes(&around, (inputs, ends), there, columns);
         for (unknown, trees) in trees {
@@ -448,8 +448,8 @@ impl Motion<'_> {
         (ends, step): ([(&Tree, &Inputs); 2], f64),
         moving: &mut Moving,
     ) -> Vector3 {
-        let (instant, base) = (around.instant, around.base);
-        let (body, p) = around.point;
+        let (instant, base) = (&around.instant, &around.base);
+        let (body, p) = &around.point;
         // Of `H A + b - W`, and of the force with the acceleration of the base held.
         let (mut balance, mut own) = (Vector6::zeros(), Vector3::zeros());
         for ((tree, there), weight) in ends.into_iter().zip([0.5 / step, -0.5 / step]) {
@@ -457,7 +457,7 @@ impl Motion<'_> {
             moving
                 .body
                 .add_base(&moving.kinematics, &upper(base), &lower(base));
-            let outside = self.outside(around.state, &moving.kinematics, there, instant);
+            let outside = self.outside(&around.state, &moving.kinematics, there, instant);
             balance += (self.momentum_rate(moving, (tree, there)) - outside) * weight;
             own += moving.body.at_point(&moving.kinematics, *body, p) * weight;
         }

@@ -9,14 +9,10 @@ use std::cell::RefMut;
 /// The equation of the accelerations around one instant.
 pub(crate) struct ForceAround<'m, 'a> {
     motion: &'m Motion<'a>,
-    state: State,
-    instant: Instant,
+    around: Around,
     k: usize,
-    point: BodyPoint,
     scratch: RefMut<'m, ForceScratch>,
     slopes: RateSlopes,
-    /// Acceleration of the base.
-    base: Vector6,
     /// Axes of the point's body, and its place in B.
     R: Matrix3,
     r: Vector3,
@@ -44,14 +40,16 @@ impl<'a> Motion<'a> {
         let R = here.kinematics.R[point.0];
         ForceAround {
             slopes: self.rate_slopes(inputs, &instant.twist, point, there),
-            base: instant.twist_of(&(wrench - free)),
             r: here.kinematics.p[point.0] + R * point.1,
             R,
             motion: self,
-            state: *state,
-            instant: *instant,
+            around: Around {
+                state: *state,
+                instant: *instant,
+                base: instant.twist_of(&(wrench - free)),
+                point: *point,
+            },
             k,
-            point: *point,
             scratch,
         }
     }
@@ -65,23 +63,22 @@ impl ForceAround<'_, '_> {
         if dw == Vector3::zeros() && dphi == Vector3::zeros() {
             return Vector3::zeros();
         }
-        let centre = &self.instant.centre;
-        let w = &self.instant.twist.w;
-        let torque =
-            self.motion
-                .environment_torque_change(&self.state, centre, (w, &dw), &dphi, None);
+        let Around { state, instant, .. } = &self.around;
+        let (centre, w) = (&instant.centre, &instant.twist.w);
+        let torque = self
+            .motion
+            .environment_torque_change(state, centre, (w, &dw), &dphi, None);
         let own = self.slopes.balance * dw;
-        let base = self
-            .instant
-            .twist_of(&(stack(&Vector3::zeros(), &torque) - own));
+        let base = instant.twist_of(&(stack(&Vector3::zeros(), &torque) - own));
         let direct = self.slopes.force_B * dw;
         self.R.transpose() * (upper(&base) + lower(&base).cross(&self.r) + direct)
     }
 
     /// A torque about an axis of N.
     pub fn outside_torque(&self, axis: usize) -> Vector3 {
-        let torque: Vector3 = matrix(&self.state.R_NB).row(axis).transpose();
-        let base = self.instant.twist_of(&stack(&Vector3::zeros(), &torque));
+        let Around { state, instant, .. } = &self.around;
+        let torque: Vector3 = matrix(&state.R_NB).row(axis).transpose();
+        let base = instant.twist_of(&stack(&Vector3::zeros(), &torque));
         self.R.transpose() * (upper(&base) + lower(&base).cross(&self.r))
     }
 
@@ -110,12 +107,6 @@ impl ForceAround<'_, '_> {
             ..
         } = &mut *self.scratch;
         let ends = moved.both_ways(self.motion.vehicle.tree, inputs, ends);
-        let around = Around {
-            state: &self.state,
-            instant: &self.instant,
-            base: &self.base,
-            point: &self.point,
-        };
-        self.motion.input_slope(&around, ends, there)
+        self.motion.input_slope(&self.around, ends, there)
     }
 }
