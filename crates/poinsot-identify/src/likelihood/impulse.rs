@@ -17,7 +17,7 @@ const GAUSS_4: [(f64, f64); 4] = [
 ];
 
 /// Impulse since the first sample, in N: what the thrusters added to the momentum.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Impulse {
     /// `integral F dt`, N s.
     pub linear: Vector3,
@@ -29,12 +29,6 @@ pub struct Impulse {
 }
 
 impl Impulse {
-    const ZERO: Self = Self {
-        linear: Vector3::new(0.0, 0.0, 0.0),
-        angular: Vector3::new(0.0, 0.0, 0.0),
-        per_mass_centre: Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-    };
-
     fn add(&mut self, other: &Self) {
         self.linear += other.linear;
         self.angular += other.angular;
@@ -71,7 +65,7 @@ pub fn thrust_impulses(tree: &Tree, thrusters: &[Thruster], segment: &Segment) -
         total: Vec::with_capacity(samples),
         scaled: vec![Vec::with_capacity(samples); scaled.len()],
     };
-    let mut sums = vec![Impulse::ZERO; 1 + scaled.len()];
+    let mut sums = vec![Impulse::default(); 1 + scaled.len()];
     let mut kinematics = Kinematics::new(tree);
     let mut running = Running::new(&segment.firings);
     for k in 0..samples {
@@ -148,7 +142,7 @@ fn one_interval(
     let (t0, t1) = (s.time_s[k], s.time_s[k + 1]);
     let (from, to) = (firing.start_s.max(t0), firing.end_s.min(t1));
     let thruster = &thrusters[firing.thruster];
-    let mut sum = Impulse::ZERO;
+    let mut sum = Impulse::default();
     for (node, weight) in GAUSS_4 {
         let at = (from + node * (to - from) - t0) / (t1 - t0);
         let dt = weight * (to - from);

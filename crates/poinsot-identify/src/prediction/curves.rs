@@ -249,10 +249,11 @@ impl SensorCursor {
                 _,
             ) => {
                 let residual = across(normal_B) * residual;
-                push(channel, t, &three(seen_B), &three(&reading), &residual);
+                push(channel, t, seen_B.as_slice(), reading.as_slice(), &residual);
             }
             (SensorValue::Vector(measured), _) => {
-                push(channel, t, &three(measured), &three(&reading), &residual);
+                let (own, expected) = (measured.as_slice(), reading.as_slice());
+                push(channel, t, own, expected, &residual);
             }
             // A record of mixed values has no meaning.
             _ => {}
@@ -401,7 +402,7 @@ impl<'a> Recorder<'a> {
         let expected = about_centre(predicted);
         let t = self.segment.observations.time_s[k];
         let p = &mut self.prediction.momentum;
-        push(p, t, &three(&own), &three(&expected), &(own - expected));
+        push(p, t, own.as_slice(), expected.as_slice(), &(own - expected));
         p.samples += 1;
     }
 }
@@ -457,10 +458,6 @@ fn push(
             row.push(*x);
         }
     }
-}
-
-fn three(v: &Vector3) -> [f64; 3] {
-    [v.x, v.y, v.z]
 }
 
 /// The quaternion with the sign that continues the one before.

@@ -5,17 +5,6 @@ use super::{PredictedMeasurement, SpareVectors};
 use crate::motion::input_noise::InputNoise;
 use crate::motion::{BodyPoint, Instant, Motion, State};
 use crate::problem::segment::{SensorRecord, SensorValue};
-use poinsot_spatial::Vector3;
-
-pub(super) fn value(
-    record: &SensorRecord,
-    motion: &Motion,
-    (state, k): (&State, usize),
-    instant: &Instant,
-) -> Vector3 {
-    let point: BodyPoint = (record.body, record.p_BoS_B);
-    motion.specific_force((state, k), instant, &point, &mut Vec::new())
-}
 
 /// `None` where a thruster fires up to the end of the record.
 pub(super) fn predict(

@@ -14,7 +14,7 @@ pub(crate) use ideal::IdealSeries;
 pub(crate) use stream::{DueSample, Predictor, SampleStream};
 
 use crate::motion::input_noise::InputNoise;
-use crate::motion::{Column, Instant, Motion, PointKinematics, State, small_rotation};
+use crate::motion::{BodyPoint, Column, Instant, Motion, PointKinematics, State, small_rotation};
 use crate::problem::segment::{SensorRecord, SensorValue};
 use nalgebra::SMatrix;
 use poinsot_dynamics::{
@@ -187,7 +187,8 @@ pub(crate) fn ideal_measurement(
     instant: &Instant,
 ) -> Option<(SensorValue, Option<Vector3>)> {
     if record.kind == SensorKind::Accelerometer {
-        let force = accelerometer::value(record, motion, (state, k), instant);
+        let point: BodyPoint = (record.body, record.p_BoS_B);
+        let force = motion.specific_force((state, k), instant, &point, &mut Vec::new());
         return Some((SensorValue::Vector(force), None));
     }
     let seen = measure(record, motion, (state, k), instant, Vec::new())?;
