@@ -12,7 +12,7 @@ use nalgebra::Cholesky;
 use poinsot_figures::{Arrow, Ellipsoid, Figure, PageError, Part, Scene, Spot, half_width};
 use poinsot_files::significant;
 use poinsot_formats::BodyFile;
-use poinsot_spatial::Matrix3;
+use poinsot_spatial::{Matrix3, Vector3};
 
 /// Line width relative to a semi-axis: a thinner interval is not drawn.
 const LINE: f64 = 0.004;
@@ -138,16 +138,12 @@ fn scene(answer: &Answer, name: &str, body: &BodyFile, I: &Matrix3) -> Option<Sc
 
 fn body_axes() -> Vec<Arrow> {
     let axes = ["x", "y", "z"].into_iter().enumerate();
-    axes.map(|(k, label)| {
-        let mut to = [0.0; 3];
-        to[k] = AXIS;
-        Arrow {
-            from: [0.0; 3],
-            to,
-            label: label.to_owned(),
-            colour: 6,
-            ..Arrow::default()
-        }
+    axes.map(|(k, label)| Arrow {
+        from: [0.0; 3],
+        to: Vector3::ith(k, AXIS).into(),
+        label: label.to_owned(),
+        colour: 6,
+        ..Arrow::default()
     })
     .collect()
 }

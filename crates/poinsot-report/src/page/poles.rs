@@ -101,12 +101,12 @@ impl Poles {
                     for step in 1..=steps {
                         let s = step as f64 / steps as f64;
                         let between = unit(&a).lerp(&unit(&b), s);
-                        points.push(self.on_surface(&between).map(|p| Point::from(p).map(short)));
+                        points.push(self.on_surface(&between).map(point));
                         shares.push(short((k as f64 - 1.0 + s) / last));
                     }
                 }
                 (_, pole) => {
-                    points.extend([None, pole.map(|p| Point::from(p).map(short))]);
+                    points.extend([None, pole.map(point)]);
                     shares.extend([short(k as f64 / last); 2]);
                 }
             }
@@ -142,16 +142,8 @@ impl Poles {
         scene.rolling = Some(Rolling {
             time_s: self.time_s.clone(),
             q_xyzw: turned.map(|q| [q.i, q.j, q.k, q.w].map(short)).collect(),
-            pole: self
-                .pole
-                .iter()
-                .map(|p| p.map(|p| Point::from(p).map(short)))
-                .collect(),
-            normal: self
-                .normal
-                .iter()
-                .map(|n| Point::from(*n).map(short))
-                .collect(),
+            pole: self.pole.iter().map(|p| p.map(point)).collect(),
+            normal: self.normal.iter().copied().map(point).collect(),
             plane: plane.to_owned(),
             free,
             group: group(record),
@@ -175,6 +167,10 @@ impl Poles {
 /// Rounds to five digits, enough for a picture.
 fn short(x: f64) -> f64 {
     (x * 1.0e5).round() / 1.0e5
+}
+
+fn point(p: Vector3) -> Point {
+    Point::from(p).map(short)
 }
 
 /// Components of a unit vector.
