@@ -392,7 +392,7 @@ impl View {
         let edge = |k: usize| {
             let mut far = near;
             far[k] = -far[k];
-            vec![Some(corner(e, near)), Some(corner(e, far))]
+            vec![Some(point_at(e, near)), Some(point_at(e, far))]
         };
         (0..3).map(edge).collect()
     }
@@ -405,7 +405,7 @@ impl View {
                 let d = [0, 1, 2].map(|i| c * self.right[i] + s * self.up[i]);
                 let along = e.axes.map(|a| dot(&a, &d));
                 if e.boxed {
-                    return Some(corner(e, along.map(f64::signum)));
+                    return Some(point_at(e, along.map(f64::signum)));
                 }
                 let length = dot(&along, &along).sqrt().max(f64::MIN_POSITIVE);
                 Some([0, 1, 2].map(|i| {
@@ -417,16 +417,16 @@ impl View {
     }
 }
 
-/// A corner of a box, by its signs.
-fn corner(e: &Ellipsoid, signs: Point) -> Point {
-    [0, 1, 2].map(|i| e.centre[i] + (0..3).map(|a| signs[a] * e.axes[a][i]).sum::<f64>())
+/// The point at these shares of the axes; of a box, a corner by its signs.
+fn point_at(e: &Ellipsoid, s: Point) -> Point {
+    [0, 1, 2].map(|i| e.centre[i] + (0..3).map(|a| s[a] * e.axes[a][i]).sum::<f64>())
 }
 
 /// Meridians and parallels.
 fn mesh(e: &Ellipsoid) -> Vec<Vec<Option<Point>>> {
     let at = |lat: f64, lon: f64| {
         let s = [lat.cos() * lon.cos(), lat.cos() * lon.sin(), lat.sin()];
-        Some([0, 1, 2].map(|k| e.centre[k] + (0..3).map(|a| s[a] * e.axes[a][k]).sum::<f64>()))
+        Some(point_at(e, s))
     };
     let turn = |i: usize, n: usize| TAU * i as f64 / n as f64;
     let meridians = (0..6).map(|m| (0..=48).map(|i| at(turn(i, 48), turn(m, 12))).collect());
