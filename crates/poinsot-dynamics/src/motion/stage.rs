@@ -360,10 +360,7 @@ impl<'s> Stage<'s> {
     /// Rate of the modes under a force on the vehicle, in B.
     fn rate_modes(&mut self, force: &Vector3) {
         if let Some(flexed) = &self.flexed {
-            let Flexed {
-                flexibility,
-                motion,
-            } = flexed;
+            let (flexibility, motion) = (&flexed.flexibility, &flexed.motion);
             self.internal_rate = flexibility.rate(motion, &self.internal, force);
         }
     }
