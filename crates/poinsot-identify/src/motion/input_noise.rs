@@ -225,16 +225,7 @@ fn noisy<'a>(all: impl Iterator<Item = (Input, f64, &'a InputChannel)>) -> Noisy
 impl InputNoise {
     /// The filter before the first grid time.
     pub fn new(of: FilterSetting) -> Self {
-        let FilterSetting {
-            noise,
-            random_torque,
-            segment,
-            forced,
-            internal,
-            followed,
-            records,
-        } = of;
-        let o = &segment.observations;
+        let (o, noise) = (&of.segment.observations, of.noise);
         let increments = increments(&o.sensors);
         let translation = o.reads_translation() || increments > 0;
         let joints = noise.joint_position.iter().enumerate();
@@ -242,20 +233,19 @@ impl InputNoise {
         let joints = joints.map(|(k, v)| (Input::Joint(k), *v, o.joint(k)));
         let wheels = wheels.map(|(k, v)| (Input::Wheel(k), *v, o.wheel(k)));
         let (inputs, memory, shares) = noisy(joints.chain(wheels));
-        let torque = random_torque.is_some();
+        let torque = of.random_torque.is_some();
         let lasting: usize = o.sensors.iter().map(|r| r.slow.len()).sum();
         let still = inputs.is_empty() && !torque;
         let silent = still && lasting == 0;
-        let active = match (still, translation, forced || torque) {
+        let mut active: Vec<usize> = match (still, translation, of.forced || torque) {
             (true, _, _) => Vec::new(),
             (_, false, false) => (0..3).collect(),
             (_, false, true) => (0..3).chain(9..12).collect(),
             (_, true, false) => (0..6).collect(),
             (_, true, true) => (0..12).collect(),
         };
-        let mut active: Vec<usize> = active;
         if !active.is_empty() {
-            active.extend(STATE..STATE + 2 * internal);
+            active.extend(STATE..STATE + 2 * of.internal);
         }
         // The slope of a wheel's speed is that of speeds about it, where it has none of its own.
         let turns = inputs.iter().any(|(input, _)| match input {
@@ -272,30 +262,24 @@ impl InputNoise {
             (record.slow.clone(), first)
         };
         let slow: Vec<_> = o.sensors.iter().map(of_sensor).collect();
-        let size = place;
-        let size = if silent { 0 } else { size };
-        let mut columns = vec![Column::zeros(); size];
-        for (column, &at) in columns.iter_mut().zip(&active) {
-            column[at] = 1.0;
-        }
+        let size = if silent { 0 } else { place };
+        let mut columns: Vec<Column> = active.iter().map(|at| Column::ith(*at, 1.0)).collect();
+        columns.resize(size, Column::zeros());
         Self {
-            random_torque,
-            step: None,
+            random_torque: of.random_torque,
             lead,
             slow,
             reach,
             expected: o.expected_errors.clone(),
-            filter: Filter::new(size, followed, records),
+            filter: Filter::new(size, of.followed, of.records),
             columns,
             twists: vec![Vector6::zeros(); size],
             rate_gain: vec![Vector6::zeros(); noise.joint_rate.len()],
-            slopes: JointSlopes::default(),
-            before: None,
-            scratch: StepScratch::default(),
             inputs,
             memory,
             shares,
             active,
+            ..Self::default()
         }
     }
 
@@ -476,17 +460,14 @@ impl InputNoise {
                     drive.extend_from_within(c - 1..c);
                     continue;
                 }
-                Input::Step | Input::Acceleration(_) => {
-                    at_once.push(Column::zeros());
-                    drive.push(Column::zeros());
-                    continue;
-                }
-                Input::Rate(j) => {
+                Input::Step | Input::Acceleration(_) | Input::Rate(_) => {
                     // Positions alone drive: an interval's mean rate is that of its ends.
                     at_once.push(Column::zeros());
                     drive.push(Column::zeros());
-                    let at = self.place(c, 0);
-                    self.twists[at] = self.rate_gain[*j];
+                    if let Input::Rate(j) = input {
+                        let at = self.place(c, 0);
+                        self.twists[at] = self.rate_gain[*j];
+                    }
                     continue;
                 }
             };
