@@ -259,16 +259,15 @@ struct SegmentComparison<'a> {
     qr: Option<BlockQr>,
     /// Of the rows that candidates do not move, without their columns.
     unmoved: Option<BlockQr>,
-    rows: usize,
+    /// What the rows so far make of the result.
+    so_far: Evaluated,
     inputs: InputNoise,
     spare: SpareVectors,
     /// `ln det` of the covariance of all readings over that of the sensors alone.
     log_det: f64,
     /// A weak prior of the start.
     prior: f64,
-    input_share: f64,
     ideal: IdealSeries,
-    kept: KeptRows,
     /// Grid time in hand.
     now: usize,
     /// Known numbers, where they are unknowns.
@@ -297,14 +296,12 @@ impl<'a> SegmentComparison<'a> {
             initial_columns,
             with_sensitivities,
             qr: triangle.then(|| of(x.len() + known)),
-            rows: 0,
+            so_far: Evaluated::default(),
             inputs: InputNoise::default(),
             spare: SpareVectors::default(),
             log_det: 0.0,
             prior: 0.0,
-            input_share: 0.0,
             ideal: IdealSeries::default(),
-            kept: KeptRows::default(),
             now: 0,
             carried,
         }
@@ -339,7 +336,7 @@ impl<'a> SegmentComparison<'a> {
         }
         if due && self.setting.keep_rows && self.with_sensitivities {
             let start = motion.columns[..self.initial_columns].to_vec();
-            self.kept.transitions.push(Transition {
+            self.so_far.kept.transitions.push(Transition {
                 at: k,
                 R_NB: state.R_NB,
                 start,
@@ -379,7 +376,7 @@ impl<'a> SegmentComparison<'a> {
         let inverse_root = root.solve_lower_triangular(&Matrix3::identity())?;
         self.inputs.take(slopes, &inverse_root, rows);
         let by_inputs = spread - self.inputs.of_sensors(slopes);
-        self.input_share += (inverse_root * by_inputs)
+        self.so_far.input_share += (inverse_root * by_inputs)
             .component_mul(&inverse_root)
             .sum();
         if let Some(carried) = self.carried.as_ref().filter(|_| self.with_sensitivities) {
@@ -399,7 +396,7 @@ impl<'a> SegmentComparison<'a> {
                 row.extend(rows.iter().map(|r| r[i]));
                 row
             };
-            self.kept.fresh = (0..3).map(|i| (row(i), log_det)).collect();
+            self.so_far.kept.fresh = (0..3).map(|i| (row(i), log_det)).collect();
         }
         Some(white)
     }
@@ -485,7 +482,7 @@ impl<'a> SegmentComparison<'a> {
                 (row[(first + i).min(last)], row[last]) = (1.0 / sigma[i], white[i]);
                 row
             };
-            self.kept.rows.push(KeptRow {
+            self.so_far.kept.rows.push(KeptRow {
                 sensor: None,
                 at: 0,
                 raw: *residual,
@@ -500,11 +497,11 @@ impl<'a> SegmentComparison<'a> {
         let channel = &mut self.cursors[i].channel;
         channel.square += residual.norm_squared();
         channel.white.push(white);
-        self.rows += channel.numbers;
-        let fresh = &mut self.kept.fresh;
+        self.so_far.rows += channel.numbers;
+        let fresh = &mut self.so_far.kept.fresh;
         if fresh.len() >= 3 {
             let log_det = fresh[0].1;
-            self.kept.rows.push(KeptRow {
+            self.so_far.kept.rows.push(KeptRow {
                 sensor: Some(i),
                 at: self.now,
                 raw: *residual,
@@ -547,11 +544,9 @@ impl<'a> SegmentComparison<'a> {
             chi2,
             cost,
             left_out,
-            input_share: self.input_share,
             smoothed,
-            rows: self.rows,
-            kept: self.kept,
             channels,
+            ..self.so_far
         })
     }
 }
