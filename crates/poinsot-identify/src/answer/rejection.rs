@@ -1,6 +1,5 @@
 //! Reasons to reject the rigid model, the strongest first.
 
-use crate::problem::settings::Settings;
 use crate::solution::estimate::BodyEstimate;
 use crate::solution::evidence::{Effect, Remark};
 use crate::solution::solved::{OfLikelihood, Solution};
@@ -31,17 +30,13 @@ impl Rejection {
     /// The first reason that holds. `coloured`: residuals are too large and correlated in time.
     pub fn of(solution: &Solution, coloured: bool, bodies: &[BodyEstimate]) -> Option<Self> {
         let chi2 = solution.chi2_per_dof();
-        let Settings {
-            misfit,
-            rejection,
-            contradiction_sigmas,
-            ..
-        } = solution.settings;
+        let limits = &solution.settings;
         let share = solution.explained;
         let unexplained = share.is_some_and(|share| share < LEAST_EXPLAINED);
-        let bad_fit = chi2 > misfit;
+        let bad_fit = chi2 > limits.misfit;
+        let rejected = chi2 > limits.rejection;
         let impossible = (bodies.iter())
-            .any(|b| bad_fit && unphysical(b, 0.0) || unphysical(b, contradiction_sigmas))
+            .any(|b| bad_fit && unphysical(b, 0.0) || unphysical(b, limits.contradiction_sigmas))
             || pressed(solution, bad_fit);
         let own = solution.likelihood.as_ref();
         // Where the search failed, a mistake that a fit of its own confirmed contradicts the model, or a part of the record.
@@ -54,13 +49,10 @@ impl Rejection {
         let not_rigid = own.is_some_and(OfLikelihood::not_rigid);
         let reasons = [
             (Self::Impossible, impossible),
-            (
-                Self::NoiseAddsUp,
-                chi2 > misfit && solution.noise_accumulates,
-            ),
-            (Self::NotRigid, chi2 > misfit && not_rigid),
-            (Self::Contradicted, chi2 > rejection && coloured),
-            (Self::Unexplained, chi2 > rejection && unexplained),
+            (Self::NoiseAddsUp, bad_fit && solution.noise_accumulates),
+            (Self::NotRigid, bad_fit && not_rigid),
+            (Self::Contradicted, rejected && coloured),
+            (Self::Unexplained, rejected && unexplained),
         ];
         reasons.into_iter().find(|r| r.1).map(|r| r.0)
     }

@@ -129,17 +129,10 @@ impl SegmentComparison<'_> {
 /// `slow` are the places of its slow errors among those of the filter, three to each.
 fn difference(cursor: &SensorCursor, due: DueSample, slow: Range<usize>) -> Difference {
     let errors = &cursor.errors;
-    let DueSample {
-        sample,
-        predicted,
-        rate,
-    } = due;
-    let (x, residual) = (
-        predicted.vector(),
-        predicted.residual(&sample.value, errors, &rate),
-    );
+    let (predicted, rate) = (due.predicted, due.rate);
+    let x = predicted.vector();
     let mut new = Difference {
-        residual,
+        residual: predicted.residual(&due.sample.value, errors, &rate),
         columns: predicted.columns,
         errors: predicted.errors,
     };
@@ -159,7 +152,7 @@ fn difference(cursor: &SensorCursor, due: DueSample, slow: Range<usize>) -> Diff
             slope[axis] += 1.0;
         }
     }
-    if let SensorValue::Direction { normal_B, .. } = &sample.value {
+    if let SensorValue::Direction { normal_B, .. } = &due.sample.value {
         new.turn(&across(normal_B));
     }
     new

@@ -8,7 +8,6 @@ use crate::fit::fit_starts;
 use crate::likelihood::{ChannelResidual, Evaluated, InitialState, start};
 use crate::methods::flexible::explained;
 use crate::methods::linear::{linear, solve_linear};
-use crate::methods::maximum_likelihood::FinishedFit;
 use crate::motion::input_noise::InputNoise;
 use crate::motion::{Motion, State, Vehicle, tilted};
 use crate::problem::parameters::Parameters;
@@ -53,20 +52,15 @@ pub fn maximum_likelihood_predicted(
 ) -> Result<(Estimate, Vec<Prediction>), ProblemError> {
     let explained = explained(problem, options.into())?;
     let problem = &explained.problem(problem);
-    let FinishedFit {
-        solution,
-        at,
-        shifted,
-        segments,
-        ..
-    } = &explained.ended;
-    let taken = problem.with_segments(segments.as_deref().unwrap_or(problem.segments));
-    let moved = shifted.as_ref().map(|c| c.problem(&taken));
+    let ended = &explained.ended;
+    let solution = &ended.solution;
+    let taken = problem.with_segments(ended.segments.as_deref().unwrap_or(problem.segments));
+    let moved = ended.shifted.as_ref().map(|c| c.problem(&taken));
     let mut experiment = Experiment::new(moved.as_ref().unwrap_or(&taken), &solution.parameters);
     if let Some(own) = &solution.likelihood {
         experiment.wheels = own.wheels;
     }
-    let predictions = predict(&experiment, at, points);
+    let predictions = predict(&experiment, &ended.at, points);
     Ok((answer::write_with_remedies(problem, solution), predictions))
 }
 
@@ -228,15 +222,11 @@ impl SensorCursor {
         if !self.sieve.keeps() {
             return;
         }
-        let DueSample {
-            sample,
-            predicted,
-            rate,
-        } = due;
-        let residual = predicted.residual(&sample.value, &self.errors, rate);
-        let reading = self.errors.reading(&predicted.vector(), rate);
-        let (t, channel) = (time_s[sample.to], &mut self.channel);
-        match (&sample.value, &predicted.value) {
+        let (measured, predicted) = (&due.sample.value, &due.predicted);
+        let residual = predicted.residual(measured, &self.errors, &due.rate);
+        let reading = self.errors.reading(&predicted.vector(), &due.rate);
+        let (t, channel) = (time_s[due.sample.to], &mut self.channel);
+        match (measured, &predicted.value) {
             (SensorValue::Attitude(measured), SensorValue::Attitude(truth)) => {
                 let expected = truth * UnitQuaternion::from_scaled_axis(reading);
                 let own = xyzw(measured, last(&channel.measured));

@@ -100,13 +100,9 @@ impl ForceAround<'_, '_> {
 
     /// An input, the twist held.
     pub fn input(&mut self, moved: Moved) -> Vector3 {
-        let ForceScratch {
-            inputs,
-            there,
-            ends,
-            ..
-        } = &mut *self.scratch;
-        let ends = moved.both_ways(self.motion.vehicle.tree, inputs, ends);
-        self.motion.input_slope(&self.around, ends, there)
+        let (tree, scratch) = (self.motion.vehicle.tree, &mut *self.scratch);
+        let ends = moved.both_ways(tree, &scratch.inputs, &mut scratch.ends);
+        self.motion
+            .input_slope(&self.around, ends, &mut scratch.there)
     }
 }
