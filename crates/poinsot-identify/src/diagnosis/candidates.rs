@@ -161,10 +161,7 @@ fn of_registry(experiment: &Experiment) -> Vec<Candidate> {
     let mut firings = 0..FIRINGS;
     let has = |kind: &UnknownKind| fitted.iter().any(|u| u.kind == *kind);
     // A known number with uncertainty is an unknown already and is tested against its sigma.
-    let known = |entry: &Entry| {
-        let mut all = fitted.iter().filter_map(|u| u.kind.known());
-        entry.number.is_some_and(|n| all.any(|k| k.number == n))
-    };
+    let known = |entry: &Entry| entry.number.is_some_and(|n| is_unknown(experiment, n));
     let mut list: Vec<Candidate> = Vec::new();
     for group in registry.groups() {
         let Some(first) = group.first().filter(|kind| shows(experiment, &read, kind)) else {
@@ -397,14 +394,16 @@ pub(super) fn sensors_read(problem: &Problem) -> Vec<(usize, String)> {
     list
 }
 
+/// Whether a number of the model is an unknown of the fit.
+fn is_unknown(experiment: &Experiment, number: KnownNumber) -> bool {
+    let unknowns = experiment.parameters.unknowns.iter();
+    let mut known = unknowns.filter_map(|u| u.kind.known());
+    known.any(|k| k.number == number)
+}
+
 /// Numbers whose errors are no candidates otherwise.
 fn untested_numbers(experiment: &Experiment) -> Vec<KnownNumber> {
     let model = experiment.problem.model;
-    let fitted = &experiment.parameters.unknowns;
-    let is_unknown = |number: &KnownNumber| {
-        let mut known = fitted.iter().filter_map(|u| u.kind.known());
-        known.any(|k| k.number == *number)
-    };
     let is_candidate = |number: &KnownNumber| {
         matches!(
             number,
@@ -418,7 +417,7 @@ fn untested_numbers(experiment: &Experiment) -> Vec<KnownNumber> {
     };
     let numbers = model.known_numbers().into_iter();
     numbers
-        .filter(|n| n.is_known(model) && !is_unknown(n) && !is_candidate(n))
+        .filter(|n| n.is_known(model) && !is_unknown(experiment, *n) && !is_candidate(n))
         .collect()
 }
 

@@ -9,7 +9,7 @@ use super::vehicle::{Thrust, ThrustPlan, Vehicle};
 use super::{Instant, Motion};
 use crate::problem::parameters::UnknownKind;
 use crate::problem::segment::{Observations, Segment};
-use poinsot_dynamics::{Leaving, Propellant};
+use poinsot_dynamics::Leaving;
 use poinsot_spatial::{InertialParameters, Vector3, Vector6};
 
 /// Impulse of every thruster in records that end before one begins, N s.
@@ -57,12 +57,16 @@ impl Vehicle<'_> {
     pub(super) fn lost(&self, unknown: usize) -> Option<Part> {
         let kind = &self.kinds[unknown];
         if let UnknownKind::ThrusterScale(k) | UnknownKind::Firing { thruster: k, .. } = kind {
-            let propellant = self.propellant.get(*k)?.as_ref()?;
-            let body = self.thrusters[*k].body;
-            let lost = propellant.loss();
-            return Some(Part { body, lost });
+            return self.lost_by(*k);
         }
         let (body, lost) = kind.lost()?;
+        Some(Part { body, lost })
+    }
+
+    /// What a thruster takes along per impulse, if it loses any mass.
+    fn lost_by(&self, thruster: usize) -> Option<Part> {
+        let lost = self.propellant.get(thruster)?.as_ref()?.loss();
+        let body = self.thrusters[thruster].body;
         Some(Part { body, lost })
     }
 
@@ -164,11 +168,7 @@ impl Motion<'_> {
     /// Thrust now with what its propellant takes along.
     fn flows(&self, k: usize) -> impl Iterator<Item = (f64, Part)> {
         self.thrust.at(k).iter().filter_map(|now| {
-            let propellant: &Propellant = self.vehicle.propellant.get(now.thruster)?.as_ref()?;
-            let part = Part {
-                body: self.vehicle.thrusters[now.thruster].body,
-                lost: propellant.loss(),
-            };
+            let part = self.vehicle.lost_by(now.thruster)?;
             Some((now.force * self.vehicle.thrust_factor[now.thruster], part))
         })
     }
