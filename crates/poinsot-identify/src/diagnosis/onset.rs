@@ -187,10 +187,7 @@ impl Basis {
             })
             .collect();
         let width = of_columns.first().map_or(0, |(basis, _)| basis.len());
-        let mut out = ProjectedRows {
-            basis: Vec::with_capacity(rows.rows.len()),
-            residual: Vec::with_capacity(rows.rows.len()),
-        };
+        let mut out = ProjectedRows::default();
         for row in &rows.rows {
             let mut basis = DVector::zeros(width);
             let mut residual = row.last().copied().unwrap_or(0.0);

@@ -8,6 +8,7 @@ use crate::motion::Column;
 use nalgebra::{DMatrix, DVector};
 
 /// Rows of one segment in an orthonormal basis of all that was fitted, and the residual clear of it.
+#[derive(Default)]
 pub(super) struct ProjectedRows {
     pub basis: Vec<DVector<f64>>,
     pub residual: Vec<f64>,

@@ -204,22 +204,16 @@ impl<'a> Tried<'a> {
         if let Some(best) = best(effects, k) {
             return best.words();
         }
-        let together = self.together.take().or_else(|| self.several());
-        let closes = together.as_ref().is_some_and(|t| t.effect.closes(k));
-        let sentence = match &together {
-            Some(together) if closes => together.words.clone(),
-            Some(together) => format!(
-                "none of {} resolves it, nor {} of them together",
-                counted(self.changes.len(), "change"),
-                together.size
-            ),
-            None => format!(
-                "none of {} resolves it",
-                counted(self.changes.len(), "change")
-            ),
+        if self.together.is_none() {
+            self.together = self.several();
+        }
+        let more = match &self.together {
+            Some(together) if together.effect.closes(k) => return together.words.clone(),
+            Some(together) => format!(", nor {} of them together", together.size),
+            None => String::new(),
         };
-        self.together = together;
-        sentence
+        let changes = counted(self.changes.len(), "change");
+        format!("none of {changes} resolves it{more}")
     }
 
     /// Changes added one by one, those of least effort first, of these the one that determines most; without those that

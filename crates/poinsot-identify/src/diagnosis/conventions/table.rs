@@ -138,7 +138,6 @@ pub(super) fn all(experiment: &Experiment) -> Vec<Vec<Convention>> {
     all.extend(joints(experiment.problem));
     all.extend(frames(experiment.problem));
     all.extend(sensors(experiment.problem));
-    all.retain(|kind| !kind.is_empty());
     all
 }
 
