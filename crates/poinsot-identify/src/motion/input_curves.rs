@@ -115,11 +115,7 @@ fn between(curve: Option<&Option<SmoothCurve>>, t: f64, lag_s: f64) -> (Vector3,
 
 fn of_joint(o: &Observations, j: usize) -> Option<SmoothCurve> {
     let dof = o.joint_position.len() / o.time_s.len().max(1);
-    let errors = &o.joint(j).errors;
-    if matches!(errors, InputErrors::Locked | InputErrors::None) {
-        return None;
-    }
-    let picked = readings(o, errors);
+    let picked = readings(o, &o.joint(j).errors);
     let h = typical_step(o, &picked)?;
     let reading = |&k: &usize| Reading {
         time_s: o.time_s[k],
@@ -130,16 +126,12 @@ fn of_joint(o: &Observations, j: usize) -> Option<SmoothCurve> {
 }
 
 fn of_wheel(o: &Observations, w: usize, wheels: usize) -> Option<SmoothCurve> {
-    let errors = &o.wheel(w).errors;
-    if matches!(errors, InputErrors::Locked | InputErrors::None) {
-        return None;
-    }
     let reading = |&k: &usize| Reading {
         time_s: o.time_s[k],
         value: None,
         slope: Some((o.wheel_speed[k * wheels + w], 1.0)),
     };
-    let picked = readings(o, errors);
+    let picked = readings(o, &o.wheel(w).errors);
     SmoothCurve::new(&picked.iter().map(reading).collect::<Vec<_>>())
 }
 
@@ -149,8 +141,12 @@ fn typical_step(o: &Observations, picked: &[usize]) -> Option<f64> {
     (step > 0.0).then_some(step)
 }
 
-/// Grid times about as far apart as the readings: values interpolated between those tell nothing of their noise.
+/// Grid times about as far apart as the readings: values interpolated between those tell nothing of their noise. None of an input
+/// without errors.
 fn readings(o: &Observations, errors: &InputErrors) -> Vec<usize> {
+    if matches!(errors, InputErrors::Locked | InputErrors::None) {
+        return Vec::new();
+    }
     let t = &o.time_s;
     let all = 0..t.len();
     if let InputErrors::Interpolated(places) = errors {
