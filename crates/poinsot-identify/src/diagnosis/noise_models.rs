@@ -12,7 +12,7 @@ use super::types::{ChannelDiagnosis, FaultKind, Suspect, SuspectValue};
 use crate::fit::Fitted;
 use crate::fit::experiment::Experiment;
 use crate::problem::parameters::{Unknown, UnknownKind};
-use crate::problem::segment::{SensorRecord, SensorValue};
+use crate::problem::segment::SensorRecord;
 use poinsot_dynamics::SensorError;
 use poinsot_spatial::{Matrix3, Vector3};
 use poinsot_telemetry::common_step;
@@ -134,10 +134,7 @@ fn noise(experiment: &Experiment, fitted: &Fitted, channel: &ChannelDiagnosis) -
 /// The step of which all values of a sensor are multiples, where it is not far below its noise.
 fn step(record: &SensorRecord) -> Option<f64> {
     let of_axis = |axis: usize| {
-        let values = record.samples.iter().filter_map(|s| match s.value {
-            SensorValue::Vector(v) => Some(v[axis]),
-            _ => None,
-        });
+        let values = record.vectors().map(|(_, v)| v[axis]);
         let floor = OFF_STEP * record.covariance[(axis, axis)].sqrt();
         let values: Vec<f64> = values.collect();
         common_step(&values, 1, floor, |n| OFF_STEP * (1.0 + n))

@@ -5,7 +5,7 @@
 
 use super::steps::Grid;
 use super::vehicle::Vehicle;
-use crate::problem::segment::{Observations, SensorValue};
+use crate::problem::segment::{Observations, SensorRecord};
 use poinsot_dynamics::propagation::{Flexibility, LockedVehicle};
 use poinsot_dynamics::{
     Composite, JointSlopes, Kinematics, Motion as Joint, Tree, composite, composite_and_momentum,
@@ -144,18 +144,12 @@ fn nutation(I: &Matrix3, h: &Vector3) -> f64 {
 /// not count. Where no rate is measured on the base, that on a link, or of the attitude; zero where none is.
 fn measured_rate(o: &Observations) -> Vec<f64> {
     let n = o.time_s.len();
-    let mut known: Vec<(usize, f64)> = o.rates().map(|(k, w)| (k, w.norm())).collect();
-    let of_link = o
-        .of_kind(SensorKind::Gyro)
-        .take(usize::from(known.is_empty()));
-    known.extend(
-        of_link
-            .flat_map(|r| &r.samples)
-            .filter_map(|s| match s.value {
-                SensorValue::Vector(w) => Some((s.to, w.norm())),
-                _ => None,
-            }),
-    );
+    let size = |(k, w): (usize, Vector3)| (k, w.norm());
+    let mut known: Vec<(usize, f64)> = o.rates().map(size).collect();
+    if known.is_empty() {
+        let of_link = o.of_kind(SensorKind::Gyro).take(1);
+        known = of_link.flat_map(SensorRecord::vectors).map(size).collect();
+    }
     if known.is_empty() {
         let attitude: Vec<_> = o.attitudes().collect();
         let turn = attitude.windows(2).map(|pair| {

@@ -196,6 +196,14 @@ impl SensorRecord {
         slow.fold(self.covariance, |c, slow| c - slow)
     }
 
+    /// Grid times and values of its samples that are vectors.
+    pub(crate) fn vectors(&self) -> impl Iterator<Item = (usize, Vector3)> {
+        self.samples.iter().filter_map(|s| match s.value {
+            SensorValue::Vector(v) => Some((s.to, v)),
+            _ => None,
+        })
+    }
+
     /// The same sensor with this share of all its variances.
     pub(crate) fn scale_noise(&mut self, share: f64) {
         self.covariance *= share;
@@ -326,11 +334,8 @@ impl Observations {
 
     /// Grid times and body rates that [`Self::best_gyro`] measured, rad/s.
     pub fn rates(&self) -> impl Iterator<Item = (usize, Vector3)> {
-        let samples = self.best_gyro().into_iter().flat_map(|r| &r.samples);
-        samples.filter_map(|s| match s.value {
-            SensorValue::Vector(w) => Some((s.to, w)),
-            _ => None,
-        })
+        let gyro = self.best_gyro().into_iter();
+        gyro.flat_map(SensorRecord::vectors)
     }
 
     /// Angle that the base turns in the intervals after these rates, rad.
