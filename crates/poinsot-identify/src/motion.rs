@@ -213,6 +213,11 @@ impl InputState {
             ..Self::default()
         }
     }
+
+    /// Velocities of the bodies at those of the base, in B.
+    fn set_velocities(&mut self, tree: &Tree, v: &Vector3, w: &Vector3) {
+        self.kinematics.set_velocities(tree, v, w, &self.rates);
+    }
 }
 
 impl<'a> Motion<'a> {
@@ -380,9 +385,7 @@ impl<'a> Motion<'a> {
         let (v, input_state) = (self.vehicle, &mut self.input_state);
         let zero = Vector3::zeros();
         input_state.kinematics.place(v.tree, &input_state.q);
-        input_state
-            .kinematics
-            .set_velocities(v.tree, &zero, &zero, &input_state.rates);
+        input_state.set_velocities(v.tree, &zero, &zero);
         self.use_propellant(k, at);
         let input_state = &mut self.input_state;
         let (whole, joints) = composite_and_momentum(&input_state.bodies, &input_state.kinematics);

@@ -85,9 +85,8 @@ impl Motion<'_> {
             self.return_to(k, &start.state, &start.instant);
             self.keep(EvaluatedState {
                 at: (k, 0.0),
-                state: start.state,
-                instant: start.instant,
                 variation: None,
+                ..*start
             });
             self.follow(k, steps)?;
             let w = self.evaluated.as_ref()?.instant.twist.w;
@@ -227,11 +226,9 @@ impl Motion<'_> {
 
     /// Velocities of the bodies at a rate of the base.
     fn host_rates(&mut self, w: &Vector3) {
-        let (tree, input_state) = (self.vehicle.tree, &mut self.input_state);
         let still = Vector3::zeros();
-        input_state
-            .kinematics
-            .set_velocities(tree, &still, w, &input_state.rates);
+        self.input_state
+            .set_velocities(self.vehicle.tree, &still, w);
     }
 
     /// `a . w_host` of every wheel at a rate of the base, rad/s.

@@ -19,18 +19,9 @@ impl Motion<'_> {
 
     /// Slopes of the momentum over the joints where the last velocity was taken.
     pub fn joint_slopes(&mut self, instant: &Instant, slopes: &mut JointSlopes) {
-        let v = self.vehicle;
-        let (twist, input_state) = (&instant.twist, &mut self.input_state);
-        input_state
-            .kinematics
-            .set_velocities(v.tree, &twist.v, &twist.w, &input_state.rates);
-        slopes.fill(
-            v.tree,
-            &self.input_state.bodies,
-            &self.input_state.kinematics,
-            &v.spin,
-            &self.input_state.wheels,
-        );
+        let (v, twist, now) = (self.vehicle, &instant.twist, &mut self.input_state);
+        now.set_velocities(v.tree, &twist.v, &twist.w);
+        slopes.fill(v.tree, &now.bodies, &now.kinematics, &v.spin, &now.wheels);
     }
 
     /// Slopes of `P'` and `h'` over the state in the interval after grid time k: six rows. Force and torque turn with

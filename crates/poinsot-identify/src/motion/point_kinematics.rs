@@ -23,10 +23,9 @@ impl Motion<'_> {
             };
         }
         let mut list = self.spare.effects.pop().unwrap_or_default();
-        let (tree, input_state) = (self.vehicle.tree, &mut self.input_state);
-        let placed = &mut input_state.kinematics;
-        placed.set_velocities(tree, &twist.v, &twist.w, &input_state.rates);
-        let point = PointMotion::new(placed, body, p);
+        let (tree, now) = (self.vehicle.tree, &mut self.input_state);
+        now.set_velocities(tree, &twist.v, &twist.w);
+        let point = PointMotion::new(&now.kinematics, body, p);
         let joints = 0..self.vehicle.joint_motions.len();
         list.extend(joints.filter_map(|joint| Some((joint, self.effect(joint, body, &point)?))));
         PointKinematics {

@@ -180,9 +180,7 @@ impl Motion<'_> {
         for (speed, (axis, still)) in input_state.wheels.iter_mut().zip(&input_state.free) {
             *speed = still - axis.dot(&twist.w);
         }
-        input_state
-            .kinematics
-            .set_velocities(v.tree, &twist.v, &twist.w, &input_state.rates);
+        input_state.set_velocities(v.tree, &twist.v, &twist.w);
         for body in &v.moved_bodies {
             if let Some(columns) = self.regressor.get_mut(*body) {
                 body_regressor(&input_state.kinematics, *body, columns);
