@@ -111,7 +111,7 @@ pub(super) fn differentiated(attitude: [&Channel; 4]) -> [Channel; 3] {
     })
 }
 
-fn rotation([x, y, z, w]: [f64; 4]) -> UnitQuaternion {
+pub(super) fn rotation([x, y, z, w]: [f64; 4]) -> UnitQuaternion {
     UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z))
 }
 

@@ -85,11 +85,9 @@ impl VectorChannels<'_> {
 }
 
 impl<'a> Channels<'a> {
-    /// A channel of the named sensor, or without a sensor name.
-    pub fn find(&self, sensor: Option<&str>, name: &str) -> Option<&'a Channel> {
-        sensor
-            .and_then(|s| self.table.sensor_channel(s, name))
-            .or_else(|| self.table.sensor_channel("", name))
+    /// A channel without a sensor name.
+    pub fn find(&self, name: &str) -> Option<&'a Channel> {
+        self.table.sensor_channel("", name)
     }
 
     /// The columns of the leading sensor of a kind: see [`BaseSensors::columns`].
@@ -177,10 +175,10 @@ impl<'a> Channels<'a> {
     fn joint(&self, at: usize) -> JointColumns<'a> {
         let joint = &self.model.joints[at];
         let [position_name, rate_name] = joint_columns(joint);
-        let position = self.find(None, &position_name);
+        let position = self.find(&position_name);
         JointColumns {
             at,
-            rate: self.find(None, &rate_name),
+            rate: self.find(&rate_name),
             locked: position.is_some_and(|q| is_locked(self.model, at, q)),
             position,
             position_name,
@@ -188,21 +186,17 @@ impl<'a> Channels<'a> {
         }
     }
 
-    /// The column of a wheel's speed.
-    pub fn tachometer(&self, wheel: usize) -> Option<&'a Channel> {
-        self.find(None, &speed_column(&self.model.wheels.get(wheel)?.name))
-    }
-
     /// The tachometer of every wheel.
     pub fn tachometers(&self) -> impl Iterator<Item = Option<&'a Channel>> {
-        (0..self.model.wheels.len()).map(|k| self.tachometer(k))
+        let wheels = self.model.wheels.iter();
+        wheels.map(|wheel| self.find(&speed_column(&wheel.name)))
     }
 
     /// Every wheel with a tachometer, and its speed as its torque drives it.
     pub fn wheels(&self) -> Vec<Option<WheelSpeed<'a>>> {
         let of = |(wheel, tachometer): (usize, Option<&'a Channel>)| {
             let tachometer = tachometer?;
-            let torque = self.find(None, &torque_column(&self.model.wheels[wheel].name));
+            let torque = self.find(&torque_column(&self.model.wheels[wheel].name));
             Some(WheelSpeed {
                 tachometer,
                 speed: self.driven.speed(wheel, tachometer, torque),

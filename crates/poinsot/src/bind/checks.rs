@@ -2,7 +2,7 @@
 
 use super::channels::Channels;
 use super::sensors::{
-    BaseSensors, REFERENCE, columns_of, covariance, named, names_of, parts_of, without_own,
+    BaseSensors, REFERENCE, columns_of, covariance, named, parts_of, without_own,
 };
 use crate::channel_names::XYZ;
 use crate::error::{Error, missing, no_noise, unsupported};
@@ -54,7 +54,7 @@ pub(super) fn check_sensors(
                 format!(
                     "sensor '{}': one of its errors is to be estimated, but no segment has its columns '{}'",
                     sensor.name,
-                    names_of(model, kind).join(" ")
+                    kind.columns().join(" ")
                 ),
                 "add them, or take bias, scale, misalignment and lag out",
             ));
@@ -78,10 +78,10 @@ fn refuse_ambiguous(model: &Model, table: &Table, kind: SensorKind) -> Result<()
     let nameless: Vec<&str> = without_own(model, table, kind)
         .map(|k| model.sensors[k].name.as_str())
         .collect();
-    if nameless.len() < 2 || named(model, table, kind, "").is_none() {
+    if nameless.len() < 2 || named(table, kind, "").is_none() {
         return Ok(());
     }
-    let names = names_of(model, kind);
+    let names = kind.columns();
     Err(unsupported(
         format!(
             "columns '{}' name no sensor, and {} sensors of type {} have no columns of their own ({})",
@@ -92,7 +92,7 @@ fn refuse_ambiguous(model: &Model, table: &Table, kind: SensorKind) -> Result<()
         ),
         format!(
             "write '{}' and so on, or take a sensor out",
-            full_name(nameless[0], &names[0])
+            full_name(nameless[0], names[0])
         ),
     ))
 }
@@ -136,7 +136,7 @@ fn unread(model: &Model, table: &Table, label: &str, repairs: &mut Vec<String>) 
         if !sensor.kind.is_scalar() && parts_of(model, table, k).is_none() {
             repairs.push(format!(
                 "{label}: no columns '{}' of the {} '{}': the sensor is not used",
-                names_of(model, sensor.kind).join(" "),
+                sensor.kind.columns().join(" "),
                 sensor.kind.word().replace('_', " "),
                 sensor.name
             ));
@@ -147,8 +147,8 @@ fn unread(model: &Model, table: &Table, label: &str, repairs: &mut Vec<String>) 
 /// Columns of an undeclared sensor are not used, nor columns without a sensor name if every sensor has its own.
 fn ownerless(model: &Model, table: &Table, label: &str, repairs: &mut Vec<String>) {
     for kind in SensorKind::with_axes() {
-        let first = &names_of(model, kind)[0];
-        for channel in table.channels.iter().filter(|c| c.name == *first) {
+        let first = kind.columns()[0];
+        for channel in table.channels.iter().filter(|c| c.name == first) {
             let declared = model.sensors_of(kind).any(|s| s.name == channel.sensor);
             let shared = channel.sensor.is_empty()
                 && (without_own(model, table, kind).next().is_some()

@@ -27,7 +27,7 @@ pub(super) fn pieces<'a>(
     let mut inputs = input_channels(channels);
     // Thrust sampled with the gyro has the gyro's gaps; valve switching times are not samples.
     let thrust = channels.model.thrusters.iter();
-    let thrust = thrust.filter_map(|t| channels.find(None, &format!("{}_N", t.name)));
+    let thrust = thrust.filter_map(|t| channels.find(&format!("{}_N", t.name)));
     inputs.extend(thrust.filter(|c| *c.time_s == *clock));
     let gaps = merged(inputs.iter().flat_map(|c| gaps(&c.time_s)).collect());
     if gaps.is_empty() {

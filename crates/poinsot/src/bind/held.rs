@@ -2,6 +2,7 @@
 
 use super::channels::{Channels, JointColumns};
 use super::driven_wheels::speed_column;
+use crate::channel_names::joint_unit;
 use poinsot_files::{Fault, Faults, Place};
 use poinsot_model::Joint;
 use poinsot_telemetry::{Channel, noise_level};
@@ -23,7 +24,7 @@ struct Silent<'a> {
     /// What the model says of it.
     said: Option<String>,
     /// What would say it.
-    declare: &'static str,
+    declare: String,
     /// Words that are in no column of it.
     other: Vec<&'static str>,
     /// The rate that says that it moves.
@@ -44,7 +45,7 @@ pub(super) fn held(channels: &Channels, repairs: &mut Vec<String>) -> Result<(),
         subject: &wheel.name,
         channel: speed_column(&wheel.name),
         said: wheel.at_rest.then(|| "at rest (at_rest)".to_owned()),
-        declare: "at_rest = true where it stands still",
+        declare: "at_rest = true where it stands still".to_owned(),
         other: OF_EFFORTS.to_vec(),
         moves: None,
     });
@@ -52,11 +53,11 @@ pub(super) fn held(channels: &Channels, repairs: &mut Vec<String>) -> Result<(),
         subject: &thruster.name,
         channel: format!("{}_N", thruster.name),
         said: (thruster.never_fires).then(|| "off (never_fires)".to_owned()),
-        declare: "never_fires = true where it is off",
+        declare: "never_fires = true where it is off".to_owned(),
         other: Vec::new(),
         moves: None,
     });
-    let thrusters = thrusters.filter(|own| channels.find(None, &own.channel).is_none());
+    let thrusters = thrusters.filter(|own| channels.find(&own.channel).is_none());
     let mut faults = Vec::new();
     for part in joints.chain(wheels).chain(thrusters) {
         match (&part.said, &part.moves) {
@@ -71,16 +72,7 @@ pub(super) fn held(channels: &Channels, repairs: &mut Vec<String>) -> Result<(),
 }
 
 fn of_joint<'a>(joint: &'a Joint, columns: JointColumns<'_>) -> Silent<'a> {
-    let [key, declare] = match joint.slides() {
-        true => [
-            "locked_at_m",
-            "locked_at_m where it is locked, spring_damper where a spring moves it",
-        ],
-        false => [
-            "locked_at_rad",
-            "locked_at_rad where it is locked, spring_damper where a spring moves it",
-        ],
-    };
+    let key = format!("locked_at_{}", joint_unit(joint));
     let said = match joint.locked_at {
         Some(at) => Some(format!("locked at {at} ({key})")),
         None => joint
@@ -92,7 +84,7 @@ fn of_joint<'a>(joint: &'a Joint, columns: JointColumns<'_>) -> Silent<'a> {
         subject: &joint.name,
         channel: columns.position_name,
         said,
-        declare,
+        declare: format!("{key} where it is locked, spring_damper where a spring moves it"),
         other: [&OF_RATES[..], &OF_EFFORTS].concat(),
         moves: moving.then_some(columns.rate_name),
     }

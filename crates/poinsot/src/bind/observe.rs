@@ -129,7 +129,7 @@ fn smooth_wheels(wheels: &[Option<WheelSpeed>], grid: &[f64]) -> Vec<f64> {
 pub(super) fn firings(channels: &Channels, samples: &Samples) -> Vec<Firing> {
     let mut list = Vec::new();
     for (thruster, item) in channels.model.thrusters.iter().enumerate() {
-        let Some(channel) = channels.find(None, &format!("{}_N", item.name)) else {
+        let Some(channel) = channels.find(&format!("{}_N", item.name)) else {
             continue;
         };
         let mut pairs = channel.time_s.iter().zip(&channel.values).peekable();

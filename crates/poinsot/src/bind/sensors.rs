@@ -1,10 +1,10 @@
 //! Three-axis sensors: their columns and samples on the grid. Any number of each kind, on any body.
 
-use crate::channel_names::{axes, names};
-use nalgebra::Quaternion;
+use super::attitude_start::rotation;
+use crate::channel_names::axes;
 use poinsot_identify::{SensorRecord, SensorSample, SensorValue};
 use poinsot_model::{Model, Sensor, SensorKind, SlowError};
-use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
+use poinsot_spatial::{Matrix3, Vector3};
 use poinsot_telemetry::{Channel, Table, median_step, resample};
 
 /// Half-width of the polynomial that differentiates a channel, in samples: a quartic through five.
@@ -85,29 +85,22 @@ pub(super) fn parts_of<'a>(
     sensor: usize,
 ) -> Option<Vec<&'a Channel>> {
     let of = &model.sensors[sensor];
-    named(model, table, of.kind, &of.name).or_else(|| {
+    named(table, of.kind, &of.name).or_else(|| {
         let mut nameless = without_own(model, table, of.kind);
         match (nameless.next(), nameless.next()) {
-            (Some(only), None) if only == sensor => named(model, table, of.kind, ""),
+            (Some(only), None) if only == sensor => named(table, of.kind, ""),
             _ => None,
         }
     })
 }
 
 pub(super) fn named<'a>(
-    model: &Model,
     table: &'a Table,
     kind: SensorKind,
     sensor: &str,
 ) -> Option<Vec<&'a Channel>> {
-    let names = names_of(model, kind);
-    let find = |name: &String| table.sensor_channel(sensor, name);
-    names.iter().map(find).collect()
-}
-
-/// Columns of a kind of three axes, without a sensor's name.
-pub(super) fn names_of(model: &Model, kind: SensorKind) -> Vec<String> {
-    names(model, kind, &[])
+    let find = |name: &&str| table.sensor_channel(sensor, name);
+    kind.columns().iter().map(find).collect()
 }
 
 /// Sensors of a kind without columns of their own name.
@@ -118,7 +111,7 @@ pub(super) fn without_own<'a>(
 ) -> impl Iterator<Item = usize> + 'a {
     let all = model.sensors.iter().enumerate();
     let own = all.filter(move |(_, s)| s.kind == kind);
-    own.filter(move |(_, s)| named(model, table, kind, &s.name).is_none())
+    own.filter(move |(_, s)| named(table, kind, &s.name).is_none())
         .map(|(k, _)| k)
 }
 
@@ -135,7 +128,7 @@ pub(super) fn sensor_columns<'a>(model: &Model, table: &'a Table) -> Vec<SensorC
         own.sort_by(|a, b| name(a).cmp(&name(b)));
         if own.is_empty() && kind == SensorKind::Attitude && model.sensors_of(kind).next().is_none()
         {
-            let parts = named(model, table, kind, "");
+            let parts = named(table, kind, "");
             own.extend(parts.map(|parts| SensorColumns::new(None, kind, parts)));
         }
         all.append(&mut own);
@@ -278,10 +271,7 @@ impl<'a> SensorColumns<'a> {
         let part = |k: usize| self.parts.get(k)?.values.get(*at.get(k)? as usize).copied();
         let (x, y, z) = (part(0)?, part(1)?, part(2)?);
         Some(match self.kind {
-            kind if kind.is_rotation() => {
-                let q = Quaternion::new(part(3)?, x, y, z);
-                SensorValue::Attitude(UnitQuaternion::from_quaternion(q))
-            }
+            kind if kind.is_rotation() => SensorValue::Attitude(rotation([x, y, z, part(3)?])),
             SensorKind::Position => SensorValue::Vector(Vector3::new(x, y, z) - origin),
             SensorKind::Direction => SensorValue::direction(
                 Vector3::new(x, y, z).try_normalize(0.0)?,
@@ -364,7 +354,7 @@ impl<'m> BaseSensors<'m> {
         let model = self.model;
         match self.index(kind) {
             Some(sensor) => parts_of(model, table, sensor),
-            None if model.sensors_of(kind).next().is_none() => named(model, table, kind, ""),
+            None if model.sensors_of(kind).next().is_none() => named(table, kind, ""),
             None => None,
         }
     }
