@@ -1,6 +1,6 @@
 //! All channels at the gyro's times: attitude, translation, joints, wheels.
 
-use super::attitude_start::{attitudes, base_directions, carried, integrate_rate};
+use super::attitude_start::{attitudes, base_directions, carried, integrate_rate, rotation};
 use super::channels::{BaseRates, Channels, JointColumns, VectorChannels, WheelSpeed};
 use super::driven_wheels::speed_at;
 use super::free_fall::ORBITAL;
@@ -9,7 +9,6 @@ use super::noise::scalar;
 use super::sensors::{Column, HALF_WIDTH, own_values, rounding, scalar_sensor, vectors};
 use crate::channel_names::{XYZ, axes};
 use crate::error::Error;
-use nalgebra::Quaternion;
 use poinsot_dynamics::Kinematics;
 use poinsot_files::{Place, rounded};
 use poinsot_identify::{
@@ -45,7 +44,7 @@ pub(super) fn align(
         false => of_attitude.clone(),
     };
     let rate = vectors(&rates.axes.each_ref().map(|c| resample(c, times, None)));
-    let rate = of_rates.rates_of_base(rate);
+    let rate = of_rates.of_base(rate, |w, R_BL, w_BL_B| R_BL * w - w_BL_B);
     let attitude = attitude(channels, rates, (&rate, &of_attitude), repairs);
     let translation = translation(channels, times, &rate, &attitude, repairs)?;
     for columns in channels.joints() {
@@ -110,8 +109,10 @@ impl Carrier {
         let mut kinematics = Kinematics::new(tree);
         let times = if body == 0 { 0 } else { inputs.times() };
         let motion = (0..times).map(|k| {
-            let row = |columns: &[Column]| columns.iter().map(|c| c[k]).collect::<Option<Vec<_>>>();
-            let (q, rates) = (row(&inputs.joint_position)?, row(&inputs.joint_rate)?);
+            let joints = inputs.joints.iter();
+            let row = joints.map(|j| j.position[k].zip(j.rate[k]));
+            let (q, rates): (Vec<f64>, Vec<f64>) =
+                row.collect::<Option<Vec<_>>>()?.into_iter().unzip();
             kinematics.place(tree, &q);
             kinematics.set_velocities(tree, &Vector3::zeros(), &Vector3::zeros(), &rates);
             let R_BL = UnitQuaternion::from_matrix(&kinematics.R[body]);
@@ -127,32 +128,21 @@ impl Carrier {
         self.body == 0
     }
 
-    /// Angular velocities of the base from those of this body.
-    fn rates_of_base(&self, rates: Vec<Option<Vector3>>) -> Vec<Option<Vector3>> {
-        if self.is_base() {
-            return rates;
-        }
-        let pairs = rates.into_iter().zip(&self.motion);
-        let of = |(w, motion): (Option<Vector3>, &Option<(UnitQuaternion, Vector3)>)| {
-            let (R_BL, w_BL_B) = (*motion)?;
-            Some(R_BL * w? - w_BL_B)
-        };
-        pairs.map(of).collect()
-    }
-
-    /// Attitudes of the base from those of this body.
-    fn attitudes_of_base(
+    /// Readings of the base from those of this body, given how the body moves relative to the base.
+    fn of_base<T>(
         &self,
-        attitudes: Vec<Option<UnitQuaternion>>,
-    ) -> Vec<Option<UnitQuaternion>> {
+        read: Vec<Option<T>>,
+        of: impl Fn(T, UnitQuaternion, Vector3) -> T,
+    ) -> Vec<Option<T>> {
         if self.is_base() {
-            return attitudes;
+            return read;
         }
-        let pairs = attitudes.into_iter().zip(&self.motion);
-        let of = |(R, motion): (Option<UnitQuaternion>, &Option<(UnitQuaternion, Vector3)>)| {
-            Some(R? * (*motion)?.0.inverse())
-        };
-        pairs.map(of).collect()
+        let pairs = read.into_iter().zip(&self.motion);
+        let all = pairs.map(|(x, motion)| {
+            let (R_BL, w_BL_B) = (*motion)?;
+            Some(of(x?, R_BL, w_BL_B))
+        });
+        all.collect()
     }
 }
 
@@ -185,13 +175,10 @@ fn attitude(
         let axes = rates.axes.each_ref().map(|c| &**c);
         // The rates of another body are not the slopes of this attitude.
         let axes = carrier.is_base().then_some(axes);
-        let measured = resample_attitude(parts, axes, times)
-            .into_iter()
-            .map(|q| {
-                q.map(|[x, y, z, w]| UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)))
-            })
-            .collect();
-        return carried(times, rate, carrier.attitudes_of_base(measured));
+        let measured = resample_attitude(parts, axes, times).into_iter();
+        let measured = measured.map(|q| q.map(rotation)).collect();
+        let measured = carrier.of_base(measured, |R, R_BL, _| R * R_BL.inverse());
+        return carried(times, rate, measured);
     }
     let directions = base_directions(channels.model, channels.table).concat();
     let (start, found) = match directions.is_empty() {
@@ -339,10 +326,7 @@ fn told(channels: &Channels, columns: &JointColumns, repairs: &mut Vec<String>) 
 /// What is prescribed at some times: position and rate of every joint, speed of every wheel, one column each; `None` without a
 /// sample.
 pub(super) struct Inputs {
-    joint_position: Vec<Column>,
-    joint_rate: Vec<Column>,
-    /// Of joints with noisy samples, at the same times.
-    joint_motion: Vec<Option<JointMotion>>,
+    joints: Vec<JointColumn>,
     wheel_speed: Vec<Column>,
 }
 
@@ -350,6 +334,7 @@ pub(super) struct Inputs {
 struct JointColumn {
     position: Column,
     rate: Column,
+    /// Of a joint with noisy samples, at the same times.
     motion: Option<JointMotion>,
 }
 
@@ -376,18 +361,14 @@ impl Inputs {
         times: &[f64],
         rates: Rates,
     ) -> Self {
-        let joints: Vec<JointColumn> = channels
-            .joints()
-            .map(|columns| joint_at(channels.model, &columns, (times, rates)))
-            .collect();
+        let joints = channels.joints();
+        let joints = joints.map(|columns| joint_at(channels.model, &columns, (times, rates)));
         let wheel = |wheel: &Option<WheelSpeed>| match wheel {
             Some(w) => speed_at(&w.speed, w.tachometer, times),
             None => vec![Some(0.0); times.len()],
         };
         Self {
-            joint_position: joints.iter().map(|j| j.position.clone()).collect(),
-            joint_rate: joints.iter().map(|j| j.rate.clone()).collect(),
-            joint_motion: joints.into_iter().map(|j| j.motion).collect(),
+            joints: joints.collect(),
             wheel_speed: wheels.iter().map(wheel).collect(),
         }
     }
@@ -399,8 +380,8 @@ impl Inputs {
         (picked, grid): (&[usize], &[f64]),
     ) -> Vec<InputChannel> {
         let all = joint_inputs(channels, grid).into_iter();
-        all.zip(&self.joint_motion)
-            .map(|(plain, motion)| match motion {
+        all.zip(&self.joints)
+            .map(|(plain, joint)| match &joint.motion {
                 Some(motion) => {
                     let motion = motion.at_times(picked);
                     InputChannel {
@@ -417,26 +398,26 @@ impl Inputs {
 
     /// How many times there are; none without joints.
     fn times(&self) -> usize {
-        self.joint_position.first().map_or(0, Vec::len)
+        self.joints.first().map_or(0, |j| j.position.len())
     }
 
     /// Whether every column has a sample at time k.
     pub fn complete(&self, k: usize) -> bool {
-        let columns = [&self.joint_position, &self.joint_rate, &self.wheel_speed];
-        columns.into_iter().flatten().all(|c| c[k].is_some())
+        let mut joints = self.joints.iter().flat_map(|j| [&j.position, &j.rate]);
+        joints.all(|c| c[k].is_some()) && self.wheel_speed.iter().all(|c| c[k].is_some())
     }
 
     pub fn rows(&self, picked: &[usize]) -> InputRows {
-        let rows = |columns: &[Column]| -> Vec<f64> {
+        let rows = |columns: Vec<&Column>| -> Vec<f64> {
             let row = |&k: &usize| columns.iter().map(move |c| c[k].unwrap_or(0.0));
             let mut all = Vec::with_capacity(picked.len() * columns.len());
             all.extend(picked.iter().flat_map(row));
             all
         };
         InputRows {
-            joint_position: rows(&self.joint_position),
-            joint_rate: rows(&self.joint_rate),
-            wheel_speed: rows(&self.wheel_speed),
+            joint_position: rows(self.joints.iter().map(|j| &j.position).collect()),
+            joint_rate: rows(self.joints.iter().map(|j| &j.rate).collect()),
+            wheel_speed: rows(self.wheel_speed.iter().collect()),
         }
     }
 }
