@@ -27,18 +27,27 @@ pub(crate) fn names(model: &Model, kind: SensorKind, of: &[usize]) -> Vec<String
     }
 }
 
+/// Channel names of a sensor of a kind that reads every joint, wheel or thruster.
+pub(crate) fn of_all(model: &Model, kind: SensorKind) -> Vec<String> {
+    let count = match kind {
+        SensorKind::WheelSpeed => model.wheels.len(),
+        SensorKind::Thrust => model.thrusters.len(),
+        _ => model.joints.len(),
+    };
+    names(model, kind, &(0..count).collect::<Vec<_>>())
+}
+
+/// Names of the motor torques of all wheels.
+pub(crate) fn wheel_torques(model: &Model) -> Vec<String> {
+    let wheels = model.wheels.iter();
+    wheels.map(|wheel| format!("{}_Nm", wheel.name)).collect()
+}
+
 /// Columns of all joints, wheels and thrusters of a model.
 pub(crate) fn of_parts(model: &Model) -> Vec<String> {
-    let all = |count: usize| (0..count).collect::<Vec<usize>>();
-    let kinds = [
-        (SensorKind::JointPosition, model.joints.len()),
-        (SensorKind::JointRate, model.joints.len()),
-        (SensorKind::WheelSpeed, model.wheels.len()),
-        (SensorKind::Thrust, model.thrusters.len()),
-    ];
-    let of = |(kind, count)| names(model, kind, &all(count));
-    let torques = wheels(model, &all(model.wheels.len()), "Nm");
-    kinds.into_iter().flat_map(of).chain(torques).collect()
+    let kinds = SensorKind::ALL.into_iter().filter(|kind| kind.is_scalar());
+    let read = kinds.flat_map(|kind| of_all(model, kind));
+    read.chain(wheel_torques(model)).collect()
 }
 
 pub(crate) fn wheels(model: &Model, of: &[usize], suffix: &str) -> Vec<String> {

@@ -167,24 +167,13 @@ impl OnBoard {
             .into_iter()
             .filter(|_| self.configuration.noise.position > 0.0);
         let sensors = [Gyro, Attitude].into_iter().chain(position);
-        let mut absent = sensors.filter(|kind| channels(model, table, *kind).is_none());
-        let all = |count| (0..count).collect::<Vec<usize>>();
-        let kinds = [
-            (WheelSpeed, all(model.wheels.len())),
-            (Thrust, all(model.thrusters.len())),
-            (JointPosition, self.moving.clone()),
-            (JointRate, self.moving.clone()),
-        ];
-        let scalars = kinds
-            .iter()
-            .flat_map(|(kind, of)| channel_names::names(model, *kind, of));
-        let mut scalars = scalars;
-        let scalar = scalars.find(|name| table.sensor_channel("", name).is_none());
-        let found = absent
-            .next()
-            .map(|kind| kind.columns().join(" "))
-            .or(scalar);
-        found.map_or(Ok(()), |name| {
+        let sensors = sensors.filter(|kind| channels(model, table, *kind).is_none());
+        let sensors = sensors.map(|kind| kind.columns().join(" "));
+        let all = [WheelSpeed, Thrust].map(|kind| channel_names::of_all(model, kind));
+        let joints = [JointPosition, JointRate].map(|kind| self.joint_names(model, kind));
+        let scalars = all.into_iter().chain(joints).flatten();
+        let scalars = scalars.filter(|name| table.sensor_channel("", name).is_none());
+        sensors.chain(scalars).next().map_or(Ok(()), |name| {
             let advice = format!(
                 "map its column in [telemetry.columns], or say of a joint where it is locked (unused: {})",
                 table.ignored.join(", ")
@@ -192,6 +181,11 @@ impl OnBoard {
             let purpose = "the on-board filter needs it";
             Err(missing(&model.name, &name, purpose, &advice))
         })
+    }
+
+    /// Names of the channels of the joints that move.
+    fn joint_names(&self, model: &Model, kind: SensorKind) -> Vec<String> {
+        channel_names::names(model, kind, &self.moving)
     }
 
     /// Samples at the times of the gyro. Attitude and position count where they have the same time; wheel speeds are interpolated,
@@ -203,21 +197,20 @@ impl OnBoard {
             return Vec::new();
         };
         let (attitude, position) = (of(SensorKind::Attitude), of(SensorKind::Position));
-        let scalars = |kind, of: &[usize]| -> Vec<Option<&Channel>> {
-            let names = channel_names::names(model, kind, of).into_iter();
-            names.map(|name| table.sensor_channel("", &name)).collect()
+        let find = |names: Vec<String>| -> Vec<Option<&Channel>> {
+            let names = names.iter();
+            names.map(|name| table.sensor_channel("", name)).collect()
         };
-        let all = |count| (0..count).collect::<Vec<usize>>();
-        let at_times = |kind, of: &[usize]| -> Vec<Vec<Option<f64>>> {
-            let channels = scalars(kind, of).into_iter();
+        let at_times = |names: Vec<String>| -> Vec<Vec<Option<f64>>> {
+            let channels = find(names).into_iter();
             channels
                 .map(|c| c.map_or_else(Vec::new, |c| resample(c, times, None)))
                 .collect()
         };
-        let speeds = at_times(SensorKind::WheelSpeed, &all(model.wheels.len()));
-        let positions = at_times(SensorKind::JointPosition, &self.moving);
-        let rates = at_times(SensorKind::JointRate, &self.moving);
-        let thrust = scalars(SensorKind::Thrust, &all(model.thrusters.len()));
+        let speeds = at_times(channel_names::of_all(model, SensorKind::WheelSpeed));
+        let positions = at_times(self.joint_names(model, SensorKind::JointPosition));
+        let rates = at_times(self.joint_names(model, SensorKind::JointRate));
+        let thrust = find(channel_names::of_all(model, SensorKind::Thrust));
         let kinematics = Kinematics::new(&Tree::new(model));
         let at = |(k, time): (usize, &f64)| {
             let mut sample = Sample::at(*time);
@@ -250,24 +243,22 @@ fn unknown_body(model: &Model) -> Result<usize, Error> {
         .iter()
         .enumerate()
         .filter(|(_, b)| b.estimate.any());
-    let refuse = |problem: String| unsupported(problem, "use identify for this model");
+    let refuse = |problem: &str| unsupported(problem, "use identify for this model");
     match (unknown.next(), unknown.next()) {
-        _ if !model.modes.is_empty() => Err(refuse(
-            "the on-board filter has no flexible modes".to_owned(),
-        )),
+        _ if !model.modes.is_empty() => Err(refuse("the on-board filter has no flexible modes")),
         _ if model.joints.iter().any(Joint::is_passive) => Err(refuse(
-            "the on-board filter has no joints that springs move".to_owned(),
+            "the on-board filter has no joints that springs move",
         )),
-        _ if model.environment.gravity_gradient => Err(refuse(
-            "the on-board filter has no gravity gradient".to_owned(),
-        )),
+        _ if model.environment.gravity_gradient => {
+            Err(refuse("the on-board filter has no gravity gradient"))
+        }
         (Some((body, _)), None) => Ok(body),
         (None, _) => Err(unsupported(
             "no number of the model is unknown",
             "mark a body with estimate = true",
         )),
         (Some(_), Some(_)) => Err(refuse(
-            "the on-board filter estimates one body, and several are unknown".to_owned(),
+            "the on-board filter estimates one body, and several are unknown",
         )),
     }
 }
@@ -297,7 +288,7 @@ fn noise(model: &Model) -> Result<Noise, Error> {
         Some((covariance.trace() / 3.0 + sensor.quantisation.powi(2) / 12.0).sqrt())
     };
     let needed = |kind| sigma(kind).ok_or_else(|| no_noise(kind));
-    let bias = model.sensors_of(SensorKind::Gyro).next().map(|s| s.bias);
+    let gyro = model.sensors_of(SensorKind::Gyro).next();
     let random = model.environment.random_torque;
     let walk = |s: &Sensor| s.kind == SensorKind::Gyro && s.slow.iter().all(SlowError::is_walk);
     if let Some(sensor) = model
@@ -313,13 +304,12 @@ fn noise(model: &Model) -> Result<Noise, Error> {
             "declare white noise that is wide enough, or a walk of the gyro's bias",
         ));
     }
-    let walk = model.sensors_of(SensorKind::Gyro).next();
-    let walk = walk.and_then(|s| s.slow.first()).map(|s| s.covariance);
+    let walk = gyro.and_then(|s| s.slow.first()).map(|s| s.covariance);
     Ok(Noise {
         gyro: needed(SensorKind::Gyro)?,
         attitude: needed(SensorKind::Attitude)?,
         position: sigma(SensorKind::Position).unwrap_or(0.0),
-        bias: match bias {
+        bias: match gyro.map(|s| s.bias) {
             Some(Nuisance::Prior(sigma)) => sigma,
             Some(Nuisance::Estimate) => BIAS,
             Some(Nuisance::Known) | None => 0.0,

@@ -1,7 +1,7 @@
 //! Repairs of the map that checks and diagnosis propose: each is tried before it is advised, and applied where that is asked for.
 
 use super::Identified;
-use crate::channel_names::names;
+use crate::channel_names::{names, of_all};
 use crate::error::Error;
 use poinsot_identify::refusal::NO_MOTION;
 use poinsot_identify::{BodyEstimate, Effect, Estimate, Remark, RemarkKind, Settings};
@@ -81,8 +81,7 @@ impl Refusal {
             let factors = UNIT_FACTORS[..2].iter();
             factors.map(move |x| (own.clone(), *x))
         });
-        let thrusters: Vec<usize> = (0..model.thrusters.len()).collect();
-        let forces = names(model, SensorKind::Thrust, &thrusters);
+        let forces = of_all(model, SensorKind::Thrust);
         let forces = (!forces.is_empty()).then_some((forces, 1.0e-3));
         let ways = turns.chain(forces).map(|(channels, x)| {
             let change = Change::Factor(x);

@@ -2,12 +2,12 @@
 
 use super::{every, stream};
 use crate::case::Scenario;
-use crate::channel_names::{XYZ, names, position, wheels};
+use crate::channel_names::{XYZ, names, of_all, position, wheel_torques, wheels};
 use poinsot_dynamics::{
     ForceProfile, Instrument, JointDrive, MotionSample, SAME_TIME, Tree, WheelDrive, WheelMotion,
     thrust_held, vector_reading,
 };
-use poinsot_model::{Joint, JointKind, Model, SensorKind};
+use poinsot_model::{Joint, Model, SensorKind};
 use poinsot_spatial::Vector3;
 use poinsot_telemetry::{Channel, classify};
 use std::collections::{HashMap, HashSet};
@@ -85,12 +85,11 @@ impl Recorder {
                 groups.push(Group::new(None, names, 1, Reader::Exact(read)));
             }
         }
-        let thrusters: Vec<usize> = (0..model.thrusters.len()).collect();
         // Scalars with a sensor are removed from their exact group later.
         Self {
             groups,
             commanded,
-            thrust: names(model, SensorKind::Thrust, &thrusters),
+            thrust: of_all(model, SensorKind::Thrust),
             row: 0,
             before: None,
             times: Vec::new(),
@@ -262,10 +261,7 @@ fn channel(name: String, sensor: String, time_s: Arc<[f64]>, values: Vec<f64>) -
 
 /// Position, rate, acceleration and effort of a joint.
 pub(crate) fn joint_channels(joint: &Joint) -> [String; 4] {
-    let effort = match joint.kind {
-        JointKind::Prismatic => "N",
-        _ => "Nm",
-    };
+    let effort = if joint.slides() { "N" } else { "Nm" };
     let position = position(joint);
     let [rate, acceleration] = ["s", "s2"].map(|end| format!("{position}_{end}"));
     let effort = format!("{}_{effort}", joint.name);
@@ -298,10 +294,7 @@ fn commanded(
     tree: &Tree,
     measured: &HashSet<String>,
 ) -> HashSet<String> {
-    let thrusters: Vec<usize> = (0..model.thrusters.len()).collect();
-    let mut all: HashSet<String> = names(model, SensorKind::Thrust, &thrusters)
-        .into_iter()
-        .collect();
+    let mut all = HashSet::from_iter(of_all(model, SensorKind::Thrust));
     let law = scenario.plan.control.as_ref();
     for (k, motion) in scenario.plan.wheels.iter().enumerate() {
         let suffix = match motion {
@@ -333,8 +326,7 @@ fn commanded(
 fn exact_channels(model: &Model, scenario: &Scenario, tree: &Tree) -> Vec<(Vec<String>, Read)> {
     use SensorKind::{Accelerometer, Attitude, Gyro, JointPosition, JointRate};
     use SensorKind::{Position, Thrust, Velocity, WheelSpeed};
-    let count = |n: usize| (0..n).collect::<Vec<_>>();
-    let (joints, wheel_list) = (&tree.coordinates, count(model.wheels.len()));
+    let joints = &tree.coordinates;
     let of = |kind, list: &[usize]| names(model, kind, list);
     let vector = |name: &str| XYZ.map(|axis| format!("{name}_{axis}")).to_vec();
     let rates = of(JointRate, joints);
@@ -347,7 +339,6 @@ fn exact_channels(model: &Model, scenario: &Scenario, tree: &Tree) -> Vec<(Vec<S
         true => vector("orbit"),
         false => Vec::new(),
     };
-    let thrusters = count(model.thrusters.len());
     let (motors, efforts) = motor_channels(model, scenario, tree);
     let motor: Read = Box::new(move |s, out| {
         out.extend(motors.iter().filter_map(|k| s.motor_force.get(*k)));
@@ -363,12 +354,9 @@ fn exact_channels(model: &Model, scenario: &Scenario, tree: &Tree) -> Vec<(Vec<S
         (of(JointPosition, joints), numbers(|s| &s.q)),
         (rates, numbers(|s| &s.rates)),
         (accelerations, numbers(|s| &s.accelerations)),
-        (of(WheelSpeed, &wheel_list), numbers(|s| &s.wheel_speed)),
-        (
-            wheels(model, &wheel_list, "Nm"),
-            numbers(|s| &s.wheel_torque),
-        ),
-        (of(Thrust, &thrusters), numbers(|s| &s.thrust)),
+        (of_all(model, WheelSpeed), numbers(|s| &s.wheel_speed)),
+        (wheel_torques(model), numbers(|s| &s.wheel_torque)),
+        (of_all(model, Thrust), numbers(|s| &s.thrust)),
         (efforts, motor),
     ]
 }
