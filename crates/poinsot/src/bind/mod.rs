@@ -19,6 +19,7 @@ mod sensors;
 pub use channels::{mountings, spin_inertias, wanted_channels};
 pub(crate) use cut::cut_at;
 pub use motion::acceleration_channels;
+pub(crate) use noise::scalar;
 
 use crate::error::Error;
 use channels::{Channels, joint_columns};
@@ -125,7 +126,7 @@ pub fn bind(model: &Model, tree: &Tree, tables: &[Table]) -> Result<Bound, Error
     let tables = tables.as_ref();
     let leading = BaseSensors::new(model, tables);
     checks::check_sensors(&leading, tables, &mut repairs)?;
-    let of_wheel = |k| noise::scalar(model, SensorKind::WheelSpeed, k);
+    let of_wheel = |k| scalar(model, SensorKind::WheelSpeed, k);
     let tachometers: Vec<f64> = (0..model.wheels.len()).map(of_wheel).collect();
     let driven = DrivenWheels::new(model, tables, &tachometers);
     repairs.extend(driven.told(model));

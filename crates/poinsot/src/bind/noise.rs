@@ -83,7 +83,7 @@ pub(super) fn declared_noise(
 }
 
 /// Declared variance of a sensor of one number, zero without.
-pub(super) fn scalar(model: &Model, kind: SensorKind, of: usize) -> f64 {
+pub(crate) fn scalar(model: &Model, kind: SensorKind, of: usize) -> f64 {
     scalar_sensor(model, kind, of)
         .and_then(covariance)
         .map_or(0.0, |c| c[(0, 0)])

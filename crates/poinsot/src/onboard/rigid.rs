@@ -1,5 +1,6 @@
 //! A vehicle as links of bodies that do not move in each other.
 
+use crate::bind::scalar as variance;
 use crate::error::{Error, unsupported};
 use poinsot_dynamics::{Kinematics, Link, Motion, SensorKind, Tree};
 use poinsot_model::Model;
@@ -141,9 +142,5 @@ pub(super) fn quaternion(R: &Matrix3) -> [f64; 4] {
 
 /// Noise of the sensor of a wheel or joint.
 fn scalar_noise(model: &Model, kind: SensorKind, at: usize) -> f64 {
-    let mut own = model.sensors_of(kind).filter(|s| s.of.contains(&at));
-    own.next().map_or(0.0, |s| {
-        let variance = s.noise_covariance.map_or(0.0, |c| c[(0, 0)]);
-        (variance + s.quantisation.powi(2) / 12.0).sqrt()
-    })
+    variance(model, kind, at).sqrt()
 }
