@@ -2,7 +2,7 @@
 
 use poinsot_dynamics::Kinematics;
 use poinsot_formats::{DrawnBody, DrawnJoint, DrawnSensor, Pointer, Vehicle};
-use poinsot_model::{JointKind, Model};
+use poinsot_model::Model;
 use poinsot_spatial::{MassProperties, TENSOR, Vector3};
 
 /// With the nominal numbers of every body.
@@ -41,7 +41,7 @@ pub(super) fn placed(
     };
     let joints = model.joints.iter().map(|j| DrawnJoint {
         name: j.name.clone(),
-        kind: kind(j.kind).to_owned(),
+        kind: j.kind.word().to_owned(),
         parent: name(j.parent),
         child: name(j.child),
         origin_m: kinematics.p[j.child].into(),
@@ -65,13 +65,5 @@ pub(super) fn placed(
         wheels: wheels.collect(),
         thrusters: thrusters.collect(),
         sensors: sensors.collect(),
-    }
-}
-
-fn kind(kind: JointKind) -> &'static str {
-    match kind {
-        JointKind::Revolute => "revolute",
-        JointKind::Prismatic => "prismatic",
-        JointKind::Fixed => "fixed",
     }
 }

@@ -141,30 +141,18 @@ pub(crate) fn scalar_errors(
     biases: &[f64],
     scales: &[f64],
 ) -> Vec<(String, &'static str, f64)> {
-    let (ends, names): (_, Vec<&String>) = match sensor.kind {
-        SensorKind::JointPosition | SensorKind::JointRate => {
-            let ends = match sensor.kind {
-                SensorKind::JointPosition => ["offset", "position_scale"],
-                _ => ["rate_bias", "rate_scale"],
-            };
-            let of = sensor.of.iter().filter_map(|k| model.joints.get(*k));
-            (ends, of.map(|j| &j.name).collect())
-        }
-        SensorKind::WheelSpeed => {
-            let of = sensor.of.iter().filter_map(|k| model.wheels.get(*k));
-            (["speed_bias", "speed_scale"], of.map(|w| &w.name).collect())
-        }
-        _ => {
-            let of = sensor.of.iter().filter_map(|k| model.thrusters.get(*k));
-            let ends = ["thrust_bias", "thrust_scale"];
-            (ends, of.map(|t| &t.name).collect())
-        }
+    let [of_bias, of_scale] = match sensor.kind {
+        SensorKind::JointPosition => ["offset", "position_scale"],
+        SensorKind::JointRate => ["rate_bias", "rate_scale"],
+        SensorKind::WheelSpeed => ["speed_bias", "speed_scale"],
+        _ => ["thrust_bias", "thrust_scale"],
     };
     let unit = model.unit_of(sensor);
-    let bias = names.iter().zip(biases);
-    let bias = bias.map(|(name, x)| (format!("{name}.{}", ends[0]), unit, *x));
-    let scale = names.iter().zip(scales).filter(|(_, x)| **x != 0.0);
-    let scale = scale.map(|(name, x)| (format!("{name}.{}", ends[1]), "", *x));
+    let names = sensor.of.iter().filter_map(|k| model.measured(sensor, *k));
+    let bias = names.clone().zip(biases);
+    let bias = bias.map(|(name, x)| (format!("{name}.{of_bias}"), unit, *x));
+    let scale = names.zip(scales).filter(|(_, x)| **x != 0.0);
+    let scale = scale.map(|(name, x)| (format!("{name}.{of_scale}"), "", *x));
     bias.chain(scale).collect()
 }
 
