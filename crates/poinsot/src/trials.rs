@@ -189,7 +189,9 @@ impl Study {
         let mut add = |name: String, truth| {
             all.push(RowNumber {
                 bound: bound.get(&name).copied(),
-                ..RowNumber::of(name, truth)
+                name,
+                truth,
+                ..RowNumber::default()
             });
         };
         for (body, truth) in self.model.bodies.iter().zip(&self.truth) {

@@ -7,7 +7,7 @@ use poinsot_identify::{Estimate, Source, Status};
 use serde::{Deserialize, Serialize};
 
 /// One number of a row.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct RowNumber {
     /// Address, for example `base.mass_kg`, `base.inertia_kg_m2.xx`, `gyro.bias_rad_s.x`.
     pub name: String,
@@ -22,16 +22,6 @@ pub struct RowNumber {
 }
 
 impl RowNumber {
-    pub(crate) fn of(name: String, truth: f64) -> Self {
-        Self {
-            name,
-            truth,
-            estimate: None,
-            sigma: None,
-            bound: None,
-        }
-    }
-
     /// Estimate minus truth.
     pub fn error(&self) -> Option<f64> {
         self.estimate.map(|x| x - self.truth)
@@ -173,9 +163,11 @@ pub(crate) fn estimated_numbers(estimate: &Estimate) -> Vec<RowNumber> {
     let mut list = Vec::new();
     let mut add = |name, number: &poinsot_identify::Number| {
         list.push(RowNumber {
+            name,
+            truth: f64::NAN,
             estimate: number.value,
             sigma: number.sigma,
-            ..RowNumber::of(name, f64::NAN)
+            bound: None,
         });
     };
     for body in estimate.bodies.iter().filter(|b| b.asked) {
