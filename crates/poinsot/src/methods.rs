@@ -59,16 +59,16 @@ const LOSSES: [(&str, &str); 3] = [
 /// assert!(paper("maximum_likelihood").is_none() && paper("ma2008").is_some());
 /// ```
 pub fn methods() -> Vec<MethodText> {
-    let losses = || LOSSES.map(|(name, summary)| VariantText { name, summary });
+    let loss = |(name, summary)| VariantText { name, summary };
     let own = OWN.map(|(name, summary, takes_loss)| MethodText {
         name,
         summary,
         paper: None,
-        variants: if takes_loss {
-            losses().to_vec()
-        } else {
-            Vec::new()
-        },
+        variants: LOSSES
+            .into_iter()
+            .filter(|_| takes_loss)
+            .map(loss)
+            .collect(),
         settings: &[],
     });
     let published = poinsot_papers::METHODS.map(|method| MethodText {
