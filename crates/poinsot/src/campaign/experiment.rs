@@ -2,6 +2,7 @@
 
 use super::address::{Document, Documents, Edit, Refusal, edit};
 use super::faults::PlanText;
+use super::plan::name_or_stem;
 use crate::case::{Case, parse_case, read_case};
 use crate::error::Error;
 use crate::identify::read_options;
@@ -97,12 +98,8 @@ impl Experiment {
         }
         let case = case.map(|c| Document::new(c.path().to_owned(), c.text().to_owned()));
         let named = file.case.as_ref().or(file.record.as_ref());
-        let stem = named.and_then(|path| path.file_stem());
         Ok(Some(Self {
-            name: match file.name.as_str() {
-                "" => stem.unwrap_or_default().to_string_lossy().into_owned(),
-                name => name.to_owned(),
-            },
+            name: name_or_stem(&file.name, named.map_or(Path::new(""), PathBuf::as_path)),
             documents: Documents {
                 case,
                 truth,

@@ -150,16 +150,8 @@ fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
         experiments.extend(made);
     }
     text.finish()?;
-    let stem = text
-        .path()
-        .file_stem()
-        .unwrap_or_default()
-        .to_string_lossy();
     let mut plan = Plan {
-        name: match file.name.as_str() {
-            "" => stem.into_owned(),
-            name => name.to_owned(),
-        },
+        name: name_or_stem(&file.name, text.path()),
         digest: digest(&file, &experiments),
         trials: file.trials.unwrap_or(TRIALS),
         block: file.trials_per_shard.unwrap_or(TRIALS_PER_SHARD),
@@ -190,6 +182,15 @@ fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
         plan.seconds = plan.seconds.min(seconds);
     }
     Ok(plan)
+}
+
+/// The name that is given, or that of the file.
+pub(super) fn name_or_stem(name: &str, path: &Path) -> String {
+    let stem = path.file_stem().unwrap_or_default();
+    match name {
+        "" => stem.to_string_lossy().into_owned(),
+        name => name.to_owned(),
+    }
 }
 
 fn check_counts(file: &PlanFile, text: &mut PlanText) {
