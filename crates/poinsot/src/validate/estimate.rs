@@ -117,8 +117,7 @@ fn with_modes(model: &Model, read: &EstimateFile) -> Model {
     for own in &mut model.modes {
         own.estimate = ModeEstimate::default();
         for number in ModeNumber::groups().into_iter().flatten() {
-            let name = address(&format!("{}.{}", own.name, number.name()), number.unit());
-            if let Some(found) = read.nuisance.get(&name).and_then(|n| n.value) {
+            if let Some(found) = nuisance(read, &own.name, number.name(), number.unit()) {
                 own.mode.set(*number, found);
             }
         }
@@ -130,16 +129,18 @@ fn with_modes(model: &Model, read: &EstimateFile) -> Model {
         };
         joint.spring_unknown.clear();
         for number in SpringNumber::ALL {
-            let name = address(
-                &format!("{}.{}", joint.name, number.name()),
-                number.unit(slides),
-            );
-            if let Some(found) = read.nuisance.get(&name).and_then(|n| n.value) {
+            if let Some(found) = nuisance(read, &joint.name, number.name(), number.unit(slides)) {
                 *number.of(spring) = found;
             }
         }
     }
     model
+}
+
+/// The value of a number of a part, if the estimate has one.
+fn nuisance(read: &EstimateFile, part: &str, number: &str, unit: &str) -> Option<f64> {
+    let number = address(&format!("{part}.{number}"), unit);
+    read.nuisance.get(&number)?.value
 }
 
 /// Checks that bodies and nominal numbers are those of the model.
@@ -176,15 +177,12 @@ fn same_model(read: &EstimateFile, model: &Model, file: &Path) -> Result<(), Err
 fn whole(read: &EstimateFile, model: &Model) -> Option<CompletedVehicle> {
     let bodies = model.bodies.iter();
     let bodies = bodies.map(|b| ten(&read.bodies.get(&b.name)?.barycentric, |n| n.value));
-    let nuisance = |name: &str, of: &str| {
-        let number = read.nuisance.get(&address(&format!("{name}.{of}"), ""));
-        number?.value
-    };
     let wheels = model.wheels.iter().enumerate().filter(|(_, w)| w.estimate);
-    let spin_inertia = wheels.map(|(k, w)| Some((k, nuisance(&w.name, "spin_inertia")?)));
+    let spin_inertia = wheels.map(|(k, w)| Some((k, nuisance(read, &w.name, "spin_inertia", "")?)));
     let thrusters = model.thrusters.iter().enumerate();
     let thrusters = thrusters.filter(|(_, t)| t.scale != poinsot_model::Nuisance::Known);
-    let thrust_factor = thrusters.map(|(k, t)| Some((k, 1.0 + nuisance(&t.name, "scale")?)));
+    let thrust_factor =
+        thrusters.map(|(k, t)| Some((k, 1.0 + nuisance(read, &t.name, "scale", "")?)));
     Some(CompletedVehicle {
         bodies: bodies.collect::<Option<Vec<_>>>()?,
         spin_inertia: spin_inertia.collect::<Option<Vec<_>>>()?,
