@@ -3,9 +3,9 @@
 use crate::bind::RELATIVE_ACCURACY;
 use crate::channel_names;
 use crate::error::{Error, check_accuracy};
-use crate::identify::read_options;
+use crate::identify::{mapped, read_options};
 use crate::onboard::{Estimated, OnBoard};
-use poinsot_model::{Model, SensorKind, read_model, read_telemetry_map};
+use poinsot_model::{Model, SensorKind, read_model};
 use poinsot_onboard::{GroundFilter, Health, Sample, SensorCounts};
 use poinsot_telemetry::{Part, ReadOptions, read_parts};
 use serde_json::{Map, Value, json};
@@ -155,11 +155,7 @@ impl Follower {
     /// # Errors
     /// A file cannot be read, or the filter does not support the model.
     pub fn new(model: &Path, map: Option<&Path>, every_s: f64) -> Result<Self, Error> {
-        let mut model = read_model(model)?;
-        if let Some(map) = map {
-            model.telemetry = read_telemetry_map(map)?;
-        }
-        Self::of(model, every_s)
+        Self::of(mapped(read_model(model)?, map)?, every_s)
     }
 
     /// A filter for a model with its map. Lines come at most every `every_s` seconds of the record; infinite: none.

@@ -25,7 +25,7 @@ use poinsot_telemetry::{
 };
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 pub(crate) mod repair;
 
@@ -262,7 +262,7 @@ pub fn identify_records(
         let mut tables = read_records(model, records, reading, question)?;
         gate(model, &mut tables, question).map(|_| ())
     };
-    let model = mapped(model, reading)?;
+    let model = mapped(model, reading.map.as_deref())?;
     let identified = repair::answered(model, question.repair, ask, pass);
     let mut identified = identified.map_err(|error| join_files(error, records.len()))?;
     [identified.model_file, identified.map_file] = files;
@@ -273,8 +273,8 @@ pub fn identify_records(
 }
 
 /// The model with the map that replaces its own.
-fn mapped(mut model: Model, reading: &Reading) -> Result<Model, Error> {
-    if let Some(map) = &reading.map {
+pub(crate) fn mapped(mut model: Model, map: Option<&Path>) -> Result<Model, Error> {
+    if let Some(map) = map {
         model.telemetry = read_telemetry_map(map)?;
     }
     Ok(model)
@@ -364,7 +364,7 @@ pub fn gated(
     question: &Question,
 ) -> Result<Gated, Error> {
     check_method(question)?;
-    let model = mapped(model, reading)?;
+    let model = mapped(model, reading.map.as_deref())?;
     let tables = read_records(&model, records, reading, question);
     let mut tables = tables.map_err(|refusal| refusal.error)?;
     gate(&model, &mut tables, question).map_err(|refusal| refusal.error)?;

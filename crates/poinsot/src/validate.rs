@@ -14,7 +14,7 @@ mod telemetry;
 
 use crate::case::{Case, read_case};
 use crate::error::Error;
-use crate::identify::{read_options, segment_files};
+use crate::identify::{mapped, read_options, segment_files};
 pub use file::{validation_csv, write_validation};
 use motion::{compare_paths, path};
 use open::{held_back_effect, motion_effect};
@@ -22,7 +22,7 @@ use poinsot_formats::{
     CompletedFile, EstimateRefFile, VALIDATION, ValidationFile, ValidationLimitsFile,
 };
 use poinsot_identify::Completion;
-use poinsot_model::{Model, read_model, read_telemetry_map};
+use poinsot_model::{Model, read_model};
 use poinsot_telemetry::read;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
@@ -102,10 +102,7 @@ pub fn validate(request: &ValidateRequest) -> Result<Validation, Error> {
             return Err(Error::usage("--model", "", "no model is named", advice));
         }
     };
-    let mut model = read_model(&path)?;
-    if let Some(map) = &request.map {
-        model.telemetry = read_telemetry_map(map)?;
-    }
+    let model = mapped(read_model(&path)?, request.map.as_deref())?;
     let estimate = request.estimate.as_deref();
     let estimated = estimate
         .map(|path| read_estimate(path, &model))
