@@ -3,11 +3,10 @@
 use crate::error::Error;
 use crate::estimate_file::estimate_file;
 use crate::identify::Identified;
-use crate::report::{figure_files, page_of, report_data};
+use crate::report::{figure_files, html_file, page_of, report_data};
 use crate::written::{OutputFile, result_json, write_file, write_files};
 use poinsot_figures::FigureFormat;
 use poinsot_formats::sha256;
-use poinsot_report::no_page;
 use std::path::{Path, PathBuf};
 
 /// Writes `estimate.json` into a folder, which is created if missing. Returns the path.
@@ -59,10 +58,7 @@ pub fn result_files(
     if page || !figures.is_empty() {
         let made = page_of(folder, estimate.as_bytes(), data.as_bytes())?;
         if page {
-            let html = made
-                .html()
-                .map_err(|e| Error::report(folder, no_page(&e), ""))?;
-            files.push(("report.html".into(), html.into_bytes()));
+            files.push(html_file(folder, &made)?);
         }
         files.extend(figure_files(folder, &made, figures)?);
     }

@@ -71,10 +71,15 @@ pub fn write_report(
         page.parts
             .push(comparison_part(&found).map_err(fault(folder))?);
     }
-    let html = page.html().map_err(|e| fault(folder)(no_page(&e)))?;
-    let mut files = vec![("report.html".into(), html.into_bytes())];
+    let mut files = vec![html_file(folder, &page)?];
     files.extend(figure_files(folder, &page, figures)?);
     write_files(folder, &files)
+}
+
+/// The page as the file `report.html`.
+pub(crate) fn html_file(folder: &Path, page: &Page) -> Result<OutputFile, Error> {
+    let html = page.html().map_err(|e| fault(folder)(no_page(&e)))?;
+    Ok(("report.html".into(), html.into_bytes()))
 }
 
 fn fault(path: &Path) -> impl Fn(String) -> Error {
