@@ -76,9 +76,7 @@ impl Case {
             })
         })?
     }
-}
 
-impl Case {
     /// Checks that the memory is there for some copies of so many rows.
     pub(crate) fn check_memory(
         &self,
@@ -135,19 +133,13 @@ fn start(planner: &mut Planner, initial: &InitialFile) -> Start {
     let l_S_N = vector(initial.linear_N_s);
     let h_SScm_N = vector(initial.angular_N_m_s);
 
-    let twist = [
-        ("v_m_s", initial.v_m_s.is_some()),
-        ("omega_rad_s", initial.omega_rad_s.is_some()),
-    ];
-    let momentum = [
-        ("linear_N_s", initial.linear_N_s.is_some()),
-        ("angular_N_m_s", initial.angular_N_m_s.is_some()),
-    ];
-    let given = |keys: [(&'static str, bool); 2]| keys.into_iter().find(|(_, given)| *given);
-    let (twist, momentum) = (given(twist), given(momentum));
+    let twist = initial.v_m_s.map(|_| "v_m_s");
+    let twist = twist.or(initial.omega_rad_s.map(|_| "omega_rad_s"));
+    let momentum = initial.linear_N_s.map(|_| "linear_N_s");
+    let momentum = momentum.or(initial.angular_N_m_s.map(|_| "angular_N_m_s"));
     let zero = initial.momentum_zero.filter(|zero| *zero);
-    let zero = zero.map(|zero| ("momentum_zero", zero));
-    if let Some((second, _)) = [twist, momentum, zero].into_iter().flatten().nth(1) {
+    let zero = zero.map(|_| "momentum_zero");
+    if let Some(second) = [twist, momentum, zero].into_iter().flatten().nth(1) {
         let problem = "the initial motion is given twice";
         let remedy =
             "give either omega_rad_s and v_m_s, or linear_N_s and angular_N_m_s, or momentum_zero";

@@ -203,10 +203,7 @@ impl Planner<'_> {
         key: &str,
     ) -> Option<ForceProfile> {
         let build = self.interpolation(table.interpolation.as_deref(), OF_TORQUE, key)?;
-        let unit = match joint.kind {
-            JointKind::Prismatic => "N",
-            _ => "Nm",
-        };
+        let unit = if joint.slides() { "N" } else { "Nm" };
         let column = match &table.column {
             Some(column) => column.clone(),
             None => format!("{}_{unit}", joint.name),
