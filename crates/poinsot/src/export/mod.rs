@@ -55,37 +55,31 @@ impl Target {
 
     /// Name on the command line.
     pub fn name(self) -> &'static str {
-        self.words()[0]
+        match self {
+            Self::Model => "model",
+            Self::Urdf => "urdf",
+            Self::Sdf => "sdf",
+            Self::Mjcf => "mjcf",
+            Self::Basilisk => "basilisk",
+            Self::Apm => "apm",
+            Self::Acm => "acm",
+            Self::Csv => "csv",
+            Self::Onboard => "onboard",
+        }
     }
 
     /// One line of help.
     pub fn about(self) -> &'static str {
-        self.words()[1]
-    }
-
-    fn words(self) -> [&'static str; 2] {
         match self {
-            Self::Model => ["model", "Model file of Poinsot, changed in place"],
-            Self::Urdf => ["urdf", "Robot description of ROS, changed in place"],
-            Self::Sdf => [
-                "sdf",
-                "Robot description of Gazebo and Drake, changed in place",
-            ],
-            Self::Mjcf => ["mjcf", "Model of MuJoCo, changed in place"],
-            Self::Basilisk => [
-                "basilisk",
-                "Python that sets the hub of a Basilisk spacecraft",
-            ],
-            Self::Apm => [
-                "apm",
-                "Attitude parameter message, CCSDS 504.0-B-2: inertia",
-            ],
-            Self::Acm => [
-                "acm",
-                "Attitude comprehensive message, CCSDS 504.0-B-2: mass and inertia",
-            ],
-            Self::Csv => ["csv", "Table, one row a number"],
-            Self::Onboard => ["onboard", "On-board table with covariance, JSON"],
+            Self::Model => "Model file of Poinsot, changed in place",
+            Self::Urdf => "Robot description of ROS, changed in place",
+            Self::Sdf => "Robot description of Gazebo and Drake, changed in place",
+            Self::Mjcf => "Model of MuJoCo, changed in place",
+            Self::Basilisk => "Python that sets the hub of a Basilisk spacecraft",
+            Self::Apm => "Attitude parameter message, CCSDS 504.0-B-2: inertia",
+            Self::Acm => "Attitude comprehensive message, CCSDS 504.0-B-2: mass and inertia",
+            Self::Csv => "Table, one row a number",
+            Self::Onboard => "On-board table with covariance, JSON",
         }
     }
 
