@@ -278,13 +278,8 @@ fn bridge(speed: &Channel, impulse: &Impulse, drive: &Drive) -> Channel {
             .collect();
         points.extend(bends(&all, tolerance));
     }
-    points.extend(
-        speed
-            .time_s
-            .last()
-            .copied()
-            .zip(speed.values.last().copied()),
-    );
+    let last = speed.time_s.last().zip(speed.values.last());
+    points.extend(last.map(|(t, x)| (*t, *x)));
     let (time_s, values): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
     Channel {
         time_s: time_s.into(),

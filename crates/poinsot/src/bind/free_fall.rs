@@ -126,11 +126,8 @@ impl FreeFall {
             .zip(&self.origin[k].values)
             .map(|(r, g)| r - g)
             .collect();
-        let mean = |x: &mut dyn Iterator<Item = f64>| x.sum::<f64>() / n;
-        let (middle, level) = (
-            mean(&mut times.iter().copied()),
-            mean(&mut rest.iter().copied()),
-        );
+        let mean = |x: &[f64]| x.iter().sum::<f64>() / n;
+        let (middle, level) = (mean(times), mean(&rest));
         let spread: f64 = times.iter().map(|t| (t - middle).powi(2)).sum();
         let pairs = times.iter().zip(&rest);
         let slope: f64 = pairs.map(|(t, x)| (t - middle) * (x - level)).sum();

@@ -87,20 +87,16 @@ fn first_position(r: &VectorChannels, samples: &Samples) -> Vector3 {
     let (Some(t), Some(R)) = (samples.time_s.first(), samples.R_NB.first()) else {
         return Vector3::zeros();
     };
-    own_or_between(&r.axes, *t).map_or_else(Vector3::zeros, |p| p - R * r.p_BoS_B)
+    let at = vectors(&r.axes.map(|c| resample(c, &[*t], None)));
+    let first = at.first().copied().flatten();
+    first.map_or_else(Vector3::zeros, |p| p - R * r.p_BoS_B)
 }
 
 /// The first position measured by any sensor; an approximation if none is on the base.
 fn first_value(sensors: &[SensorColumns]) -> Vector3 {
     let position = sensors.iter().find(|s| s.kind == SensorKind::Position);
     let at = |s: &SensorColumns, k: usize| s.parts[k].values.first().copied().unwrap_or(0.0);
-    position.map_or_else(Vector3::zeros, |s| {
-        Vector3::new(at(s, 0), at(s, 1), at(s, 2))
-    })
-}
-
-fn own_or_between(axes: &[&Channel; 3], t: f64) -> Option<Vector3> {
-    *vectors(&axes.map(|c| resample(c, &[t], None))).first()?
+    position.map_or_else(Vector3::zeros, |s| Vector3::from_fn(|k, _| at(s, k)))
 }
 
 /// Wheel speeds interpolated by cubic Hermite polynomials, but where the torque drives them; empty if all are sampled at
