@@ -66,14 +66,13 @@ pub fn compare(answers: &[PathBuf]) -> Result<ComparisonFile, Error> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn compare_estimates(answers: &[(PathBuf, EstimateFile)]) -> Result<ComparisonFile, Error> {
-    let [(_, first), others @ ..] = answers else {
-        return Err(too_few(answers.len()));
+    let [(_, first), _, ..] = answers else {
+        let (found, problem) = (answers.len(), "at least two answers are compared");
+        let advice = "give two folders of identify --out";
+        return Err(Error::usage("ANSWER", found, problem, advice));
     };
-    if others.is_empty() {
-        return Err(too_few(1));
-    }
     let names = |e: &EstimateFile| e.bodies.keys().cloned().collect::<Vec<_>>().join(", ");
-    let mut strange = others
+    let mut strange = answers
         .iter()
         .filter(|(_, e)| !e.bodies.keys().eq(first.bodies.keys()));
     if let Some((path, other)) = strange.next() {
@@ -112,11 +111,6 @@ pub fn compare_estimates(answers: &[(PathBuf, EstimateFile)]) -> Result<Comparis
         not_compared: not_compared(&files, &common),
         doubts: doubts(&files, agreement),
     })
-}
-
-fn too_few(found: usize) -> Error {
-    let advice = "give two folders of identify --out";
-    Error::usage("ANSWER", found, "at least two answers are compared", advice)
 }
 
 fn number(common: &Answers, k: usize, mean: Option<Mean>) -> ComparedNumberFile {
