@@ -65,7 +65,7 @@ pub(crate) fn axes<'t>(table: &'t Table, sensor: &str, vector: &str) -> Option<[
 
 /// Unit of the position of a joint.
 pub(crate) fn joint_unit(joint: &Joint) -> &'static str {
-    SensorKind::JointPosition.unit(joint.kind == JointKind::Prismatic)
+    SensorKind::JointPosition.unit(joint.slides())
 }
 
 /// Channel of the position of a joint.

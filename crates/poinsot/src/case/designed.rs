@@ -7,7 +7,7 @@ use super::window::{Replaced, Window};
 use crate::error::Error;
 use poinsot_dynamics::PiecewisePolynomial;
 use poinsot_formats::case::{CaseFile, DesignFile, DesignJointFile, Objective};
-use poinsot_model::{JointKind, Model};
+use poinsot_model::Model;
 
 /// Default number of evaluated manoeuvres.
 const EVALUATIONS: usize = 12_000;
@@ -133,8 +133,7 @@ impl Planner<'_> {
             };
             for index in of {
                 let joint = self.joint(index);
-                let slides = joint.kind == JointKind::Prismatic;
-                let one = Moved::new((index, slides), form, joint.standing_at(), returns);
+                let one = Moved::new((index, joint.slides()), form, joint.standing_at(), returns);
                 self.add(&mut joints, one, &key);
             }
         }

@@ -1,9 +1,9 @@
 //! `[[joint_motion]]` as motion of a joint.
 
 use super::planner::Planner;
+use crate::channel_names::joint_unit;
 use poinsot_dynamics::{Fourier, JointMotion};
 use poinsot_formats::case::JointMotionFile;
-use poinsot_model::JointKind;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -19,7 +19,7 @@ const OF_KINDS: [[&str; 2]; 5] = [
 impl Planner<'_> {
     /// Whether a key of the other type of joint is given; it is refused, with the key to use.
     pub(super) fn other_unit(&mut self, joint: usize, key: &str, table: &impl Serialize) -> bool {
-        let slides = self.joint(joint).kind == JointKind::Prismatic;
+        let slides = self.joint(joint).slides();
         let Ok(Value::Object(keys)) = serde_json::to_value(table) else {
             return false;
         };
@@ -68,11 +68,8 @@ impl Planner<'_> {
             "quintic_rest" => JointMotion::quintic_rest,
             _ => JointMotion::cubic_clamped,
         };
-        let name = match self.joint(joint).kind {
-            JointKind::Prismatic => "position_m",
-            _ => "position_rad",
-        };
-        self.checked(motion(time, position), key, name)
+        let name = format!("position_{}", joint_unit(self.joint(joint)));
+        self.checked(motion(time, position), key, &name)
     }
 }
 

@@ -122,7 +122,7 @@ impl<'c> Planner<'c> {
         firings: &[FiringFile],
     ) -> (Plan, Vec<bool>) {
         let mut plan = Plan::hold(self.model);
-        let mut led: Vec<Vec<Led<JointMotion>>> = plan.joints.iter().map(|_| Vec::new()).collect();
+        let mut led: Vec<Vec<Led<JointMotion>>> = vec![Vec::new(); plan.joints.len()];
         for (i, table) in joints.iter().enumerate() {
             let key = format!("joint_motion[{i}]");
             let own = format!("{key}.joint");
@@ -137,8 +137,7 @@ impl<'c> Planner<'c> {
                 plan.joints[k] = motion.into();
             }
         }
-        let mut driven: Vec<Vec<Led<WheelMotion>>> =
-            plan.wheels.iter().map(|_| Vec::new()).collect();
+        let mut driven: Vec<Vec<Led<WheelMotion>>> = vec![Vec::new(); plan.wheels.len()];
         for (i, table) in wheels.iter().enumerate() {
             let key = format!("wheel_motion[{i}]");
             let own = format!("{key}.wheel");
