@@ -70,18 +70,13 @@ pub(super) fn compare_paths(model: &Model, own: &Table, against: &Table) -> Vec<
         unnamed: true,
         attitude: UnitQuaternion::new_unchecked,
     };
-    let mut groups = vec![
-        group(
-            "base position".to_owned(),
-            "m",
-            names(model, SensorKind::Position, &[]),
-        ),
-        group(
-            "base attitude".to_owned(),
-            "rad",
-            names(model, SensorKind::Attitude, &[]),
-        ),
-    ];
+    let mut groups = Vec::new();
+    for (name, unit, kind) in [
+        ("base position", "m", SensorKind::Position),
+        ("base attitude", "rad", SensorKind::Attitude),
+    ] {
+        groups.push(group(name.to_owned(), unit, names(model, kind, &[])));
+    }
     for k in Tree::new(model).coordinates {
         let joint = &model.joints[k];
         let unit = joint_unit(joint);

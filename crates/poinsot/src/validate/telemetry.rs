@@ -76,7 +76,6 @@ fn groups(model: &Model) -> Vec<Group<'_>> {
         if joint.kind == JointKind::Fixed {
             continue;
         }
-        let slides = joint.kind == JointKind::Prismatic;
         for kind in [SensorKind::JointPosition, SensorKind::JointRate] {
             let what = match kind {
                 SensorKind::JointRate => "rate of joint",
@@ -84,7 +83,7 @@ fn groups(model: &Model) -> Vec<Group<'_>> {
             };
             list.push(Group {
                 name: format!("{what} {}", joint.name),
-                unit: printed_unit(kind.unit(slides)),
+                unit: printed_unit(kind.unit(joint.slides())),
                 channels: names(model, kind, &[k]),
                 sensor: model.sensors_of(kind).find(|s| s.of.contains(&k)),
                 unnamed: true,
@@ -109,8 +108,7 @@ fn of_kind(model: &Model, kind: SensorKind) -> Vec<Group<'_>> {
     let all: Vec<&Sensor> = model.sensors_of(kind).collect();
     let first = all.iter().position(|s| s.body == 0);
     match all.as_slice() {
-        [] => vec![group(None, kind.word().to_owned(), true)],
-        [one] => vec![group(Some(*one), kind.word().to_owned(), true)],
+        [] | [_] => vec![group(all.first().copied(), kind.word().to_owned(), true)],
         _ => {
             let named = all.iter().enumerate().map(|(k, sensor)| {
                 let name = format!("{} {}", kind.word(), sensor.name);
