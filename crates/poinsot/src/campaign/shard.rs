@@ -155,13 +155,10 @@ impl ShardSums {
 
     /// Checks size, checksum and sums of the rows; of rows elsewhere, their size.
     fn check_rows(&self, plan: &Plan, rows: &Path) -> Result<(), String> {
-        let (mut file, metadata, here) = match open(rows) {
-            Ok((file, metadata)) => (file, metadata, true),
-            Err(_) => match open(&rows.with_extension(ELSEWHERE)) {
-                Ok((file, metadata)) => (file, metadata, false),
-                Err(_) => return Err("its rows are not there".to_owned()),
-            },
-        };
+        let own = open(rows);
+        let here = own.is_ok();
+        let found = own.or_else(|_| open(&rows.with_extension(ELSEWHERE)));
+        let (mut file, metadata) = found.map_err(|_| "its rows are not there")?;
         let bytes = metadata.len();
         if bytes != self.rows_bytes {
             let wanted = self.rows_bytes;
