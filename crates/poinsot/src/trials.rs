@@ -149,12 +149,8 @@ impl Study {
     /// # Errors
     /// Invalid model or telemetry.
     pub fn bound(&self) -> Result<Estimate, Error> {
-        solve(
-            &self.true_model(),
-            &self.exact,
-            RELATIVE_ACCURACY,
-            cramer_rao,
-        )
+        let model = self.true_model();
+        solve(&model, &self.exact, RELATIVE_ACCURACY, cramer_rao)
     }
 
     /// What `predict` says of the experiment at the true values, with exact known numbers: trials do not draw them.

@@ -69,11 +69,8 @@ impl Drawn<'_> {
             out.insert(address(&name, unit), TrueNumberFile { value });
         };
         for wheel in &self.model.wheels {
-            put(
-                format!("{}.spin_inertia", wheel.name),
-                "",
-                wheel.spin_inertia,
-            );
+            let name = format!("{}.spin_inertia", wheel.name);
+            put(name, "", wheel.spin_inertia);
         }
         for flexible in &self.model.modes {
             for number in ModeNumber::groups().into_iter().flatten() {
@@ -83,11 +80,8 @@ impl Drawn<'_> {
         }
         for joint in self.model.joints.iter().filter(|j| j.is_passive()) {
             for (number, value) in joint.spring_numbers() {
-                put(
-                    format!("{}.{}", joint.name, number.name()),
-                    number.unit(joint.slides()),
-                    value,
-                );
+                let name = format!("{}.{}", joint.name, number.name());
+                put(name, number.unit(joint.slides()), value);
             }
         }
         for (i, sensor) in self.model.sensors.iter().enumerate() {
