@@ -81,7 +81,7 @@ impl Rigid {
     ) -> Configuration {
         configuration.known = self.known(0, bodies);
         for (k, link) in self.moving.iter().enumerate() {
-            let noise = |kind| scalar_noise(model, kind, link.joint);
+            let noise = |kind| variance(model, kind, link.joint).sqrt();
             configuration = configuration.with_joint(Joint {
                 parent: link.parent,
                 slides: model.joints[link.joint].slides(),
@@ -107,7 +107,7 @@ impl Rigid {
             configuration = configuration.with_wheel(Wheel {
                 axis_B: (self.kinematics.R[wheel.body] * wheel.axis_B).into(),
                 spin_inertia: wheel.spin_inertia,
-                noise: scalar_noise(model, SensorKind::WheelSpeed, k),
+                noise: variance(model, SensorKind::WheelSpeed, k).sqrt(),
             });
         }
         Ok(configuration)
@@ -138,9 +138,4 @@ impl Rigid {
 pub(super) fn quaternion(R: &Matrix3) -> [f64; 4] {
     let R = Rotation3::from_matrix_unchecked(*R);
     UnitQuaternion::from_rotation_matrix(&R).coords.into()
-}
-
-/// Noise of the sensor of a wheel or joint.
-fn scalar_noise(model: &Model, kind: SensorKind, at: usize) -> f64 {
-    variance(model, kind, at).sqrt()
 }
