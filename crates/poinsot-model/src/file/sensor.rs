@@ -96,14 +96,17 @@ fn with_axes() -> Value {
     of_type(|kind| !kind.is_scalar())
 }
 
-/// Types of sensors with axes in a unit.
-fn slow_in_unit(unit: &str) -> Value {
-    of_type(|kind| !kind.is_scalar() && kind.units().contains(&unit))
-}
-
-/// Types of sensors whose channels have a unit.
-pub(super) fn in_unit(unit: &str) -> Value {
-    of_type(|kind| kind.units().contains(&unit))
+/// Gives each row of the errors of samples the types of sensors that have it: those with the unit in which its key ends, and
+/// with axes where the error lasts over samples.
+fn by_unit(schema: &mut Schema) {
+    let rows = schema.get_mut("properties").and_then(Value::as_object_mut);
+    for (key, row) in rows.into_iter().flatten() {
+        let (what, unit) = key.split_once('_').unwrap_or_default();
+        let unit = unit.strip_suffix("_s05").unwrap_or(unit);
+        let lasts = ["slow", "walk"].contains(&what);
+        row["x-only"] =
+            of_type(|kind| kind.units().contains(&unit) && !(lasts && kind.is_scalar()));
+    }
 }
 
 impl Serialize for SensorType {
@@ -167,73 +170,52 @@ impl NamesFile {
 
 /// Noise and quantisation of a sensor.
 #[derive(JsonSchema)]
+#[schemars(transform = by_unit)]
 #[allow(non_snake_case)]
 #[expect(dead_code, reason = "rows for the schema; their values are in maps")]
 struct SampleErrorFile {
     /// One sigma per sample of an attitude (small rotation in body axes), a direction (angle across it; one number) or a revolute joint's position, rad.
-    #[schemars(extend("x-only" = in_unit("rad")))]
     noise_rad: Option<NoiseFile>,
     /// One sigma per sample of an angular velocity, a revolute joint's rate or a wheel speed, rad/s.
-    #[schemars(extend("x-only" = in_unit("rad_s")))]
     noise_rad_s: Option<NoiseFile>,
     /// One sigma per sample of a position or a prismatic joint's position, m.
-    #[schemars(extend("x-only" = in_unit("m")))]
     noise_m: Option<NoiseFile>,
     /// One sigma per sample of a velocity, a velocity increment or a prismatic joint's rate, m/s.
-    #[schemars(extend("x-only" = in_unit("m_s")))]
     noise_m_s: Option<NoiseFile>,
     /// One sigma per sample of a specific force, m/s2.
-    #[schemars(extend("x-only" = in_unit("m_s2")))]
     noise_m_s2: Option<NoiseFile>,
     /// One sigma per sample of a thrust, N.
-    #[schemars(extend("x-only" = in_unit("N")))]
     noise_N: Option<NoiseFile>,
     /// One sigma of an error of an attitude or a direction that lasts over samples, rad; `correlation_s` says how long.
-    #[schemars(extend("x-only" = slow_in_unit("rad")))]
     slow_rad: Option<NoiseFile>,
     /// One sigma that a random walk of the bias gains in 1 s, rad (it grows with the root of time).
-    #[schemars(extend("x-only" = slow_in_unit("rad")))]
     walk_rad_s05: Option<NoiseFile>,
     /// One sigma of an error of an angular velocity that lasts over samples, rad/s; `correlation_s` says how long.
-    #[schemars(extend("x-only" = slow_in_unit("rad_s")))]
     slow_rad_s: Option<NoiseFile>,
     /// One sigma that a random walk of the bias gains in 1 s, rad/s (it grows with the root of time).
-    #[schemars(extend("x-only" = slow_in_unit("rad_s")))]
     walk_rad_s_s05: Option<NoiseFile>,
     /// One sigma of an error of a position that lasts over samples, m; `correlation_s` says how long.
-    #[schemars(extend("x-only" = slow_in_unit("m")))]
     slow_m: Option<NoiseFile>,
     /// One sigma that a random walk of the bias gains in 1 s, m (it grows with the root of time).
-    #[schemars(extend("x-only" = slow_in_unit("m")))]
     walk_m_s05: Option<NoiseFile>,
     /// One sigma of an error of a velocity or a velocity increment that lasts over samples, m/s; `correlation_s` says how long.
-    #[schemars(extend("x-only" = slow_in_unit("m_s")))]
     slow_m_s: Option<NoiseFile>,
     /// One sigma that a random walk of the bias gains in 1 s, m/s (it grows with the root of time).
-    #[schemars(extend("x-only" = slow_in_unit("m_s")))]
     walk_m_s_s05: Option<NoiseFile>,
     /// One sigma of an error of a specific force that lasts over samples, m/s2; `correlation_s` says how long.
-    #[schemars(extend("x-only" = slow_in_unit("m_s2")))]
     slow_m_s2: Option<NoiseFile>,
     /// One sigma that a random walk of the bias gains in 1 s, m/s2 (it grows with the root of time).
-    #[schemars(extend("x-only" = slow_in_unit("m_s2")))]
     walk_m_s2_s05: Option<NoiseFile>,
     /// Least significant bit, rad. Its variance is LSB^2/12.
-    #[schemars(extend("x-only" = in_unit("rad")))]
     quantisation_rad: Option<Step>,
     /// Least significant bit, rad/s.
-    #[schemars(extend("x-only" = in_unit("rad_s")))]
     quantisation_rad_s: Option<Step>,
     /// Least significant bit, m.
-    #[schemars(extend("x-only" = in_unit("m")))]
     quantisation_m: Option<Step>,
     /// Least significant bit, m/s.
-    #[schemars(extend("x-only" = in_unit("m_s")))]
     quantisation_m_s: Option<Step>,
     /// Least significant bit, m/s2.
-    #[schemars(extend("x-only" = in_unit("m_s2")))]
     quantisation_m_s2: Option<Step>,
     /// Least significant bit, N.
-    #[schemars(extend("x-only" = in_unit("N")))]
     quantisation_N: Option<Step>,
 }
