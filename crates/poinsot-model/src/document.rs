@@ -73,35 +73,43 @@ pub(crate) struct Document<'i> {
     pub text: &'i str,
     /// Parsed tree.
     pub table: DeTable<'i>,
-    line_starts: Vec<usize>,
+    lines: Lines,
+}
+
+/// Where the lines of a text begin.
+pub(crate) struct Lines(Vec<usize>);
+
+impl Lines {
+    /// Those of a text.
+    pub fn of(text: &str) -> Self {
+        let later = text.match_indices('\n').map(|(at, _)| at + 1);
+        Self(std::iter::once(0).chain(later).collect())
+    }
+
+    /// Line and column of a byte of the text, from one; columns count characters.
+    pub fn line_column(&self, text: &str, byte: usize) -> (usize, usize) {
+        let line = self.0.partition_point(|start| *start <= byte).max(1);
+        let before = text.get(self.0[line - 1]..byte).unwrap_or("");
+        (line, before.chars().count() + 1)
+    }
 }
 
 impl<'i> Document<'i> {
     /// Parses the text; after syntax errors the tree holds the readable part.
     pub fn new(text: &'i str, file: &str) -> (Self, Vec<toml::de::Error>) {
         let (table, errors) = DeTable::parse_recoverable(text);
-        let line_starts = std::iter::once(0)
-            .chain(text.match_indices('\n').map(|(at, _)| at + 1))
-            .collect();
         let document = Self {
             file: excerpt(file, 300),
             text,
             table: table.into_inner(),
-            line_starts,
+            lines: Lines::of(text),
         };
         (document, errors)
     }
 
     /// Line and column of a byte, from one; columns count characters.
     pub fn line_column(&self, byte: usize) -> (usize, usize) {
-        let line = self.line_starts.partition_point(|start| *start <= byte);
-        let start = self
-            .line_starts
-            .get(line.saturating_sub(1))
-            .copied()
-            .unwrap_or(0);
-        let before = self.text.get(start..byte).unwrap_or("");
-        (line.max(1), before.chars().count() + 1)
+        self.lines.line_column(self.text, byte)
     }
 
     /// Offset and text of the value at a path; for a missing key, those of the nearest table above it, without a
@@ -112,12 +120,8 @@ impl<'i> Document<'i> {
         for step in &path.0 {
             let next = match (step, node) {
                 (Step::Key(key), None) => self.table.get(key.as_str()),
-                (Step::Key(key), Some(value)) => {
-                    value.get_ref().as_table().and_then(|t| t.get(key.as_str()))
-                }
-                (Step::Index(index), Some(value)) => {
-                    value.get_ref().as_array().and_then(|a| a.get(*index))
-                }
+                (Step::Key(key), Some(value)) => value.get_ref().get(key.as_str()),
+                (Step::Index(index), Some(value)) => value.get_ref().get(*index),
                 (Step::Index(_), None) => None,
             };
             let Some(next) = next else {

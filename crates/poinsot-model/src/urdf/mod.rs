@@ -13,6 +13,7 @@ pub(crate) use inertial::rotation;
 pub(crate) use limits::excess;
 pub(crate) use raw::ELEMENTS;
 
+use crate::document::Lines;
 use crate::model_text::read_model_text;
 use crate::vehicle::Model;
 use poinsot_files::{Fault, Faults, Place, excerpt};
@@ -151,15 +152,8 @@ fn conclude(
     model: Option<Model>,
 ) -> Result<Model, Faults> {
     remarks.sort_by_key(|r| r.byte);
-    let starts: Vec<usize> = std::iter::once(0)
-        .chain(text.match_indices('\n').map(|(at, _)| at + 1))
-        .collect();
-    let place = |byte: usize| {
-        let line = starts.partition_point(|s| *s <= byte).max(1);
-        let start = starts.get(line - 1).copied().unwrap_or(0);
-        let column = text.get(start..byte).map_or(1, |s| s.chars().count() + 1);
-        (line, column)
-    };
+    let lines = Lines::of(text);
+    let place = |byte: usize| lines.line_column(text, byte);
     let errors: Vec<&Remark> = remarks.iter().filter(|r| r.code.is_some()).collect();
     if errors.is_empty()
         && let Some(mut model) = model
