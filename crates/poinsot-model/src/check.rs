@@ -6,7 +6,7 @@ use crate::check_name::check_names;
 use crate::check_telemetry::check_telemetry;
 use crate::check_tree::{Tree, check_tree};
 use crate::file::{BodyFile, ModelFile};
-use crate::finding::{Findings, Key, all};
+use crate::finding::{Findings, Key, all, each};
 use crate::vehicle::Model;
 use std::collections::HashMap;
 use std::fmt;
@@ -27,18 +27,6 @@ impl Check<'_, '_> {
     /// Index of the body with this name.
     pub fn body_of(&self, name: Option<&str>) -> Option<usize> {
         self.places.get(name?).copied()
-    }
-
-    /// Reports a fault of the value at a key; the answer is that there is none.
-    pub fn refuse<T>(
-        &mut self,
-        code: &'static str,
-        key: &Key,
-        problem: impl Into<String>,
-        remedy: impl Into<String>,
-    ) -> Option<T> {
-        self.findings.refuse(code, key, problem, remedy);
-        None
     }
 
     /// Adds a note that is not an error.
@@ -64,7 +52,7 @@ pub(crate) fn check_model(
         places: places(bodies, &order),
         findings,
     };
-    let mut in_file_order = check.bodies();
+    let mut in_file_order = each(&file.body, |k, body| Some(check.body(k, body)));
     for (body, joint) in in_file_order.iter_mut().zip(carried_by) {
         body.joint = joint;
     }
@@ -72,13 +60,13 @@ pub(crate) fn check_model(
     let mut model = Model {
         name: file.name.clone().unwrap_or_else(|| "vehicle".to_owned()),
         bodies: bodies_in_order.collect(),
-        joints: check.joints(),
+        joints: each(&file.joint, |k, joint| check.joint(k, joint)),
         momentum: check.momentum(),
         environment: check.environment(),
         ..Model::default()
     };
-    model.wheels = check.wheels(&model.bodies);
-    model.thrusters = check.thrusters(&model.bodies);
+    model.wheels = each(&file.wheel, |k, w| check.wheel(k, w, &model.bodies));
+    model.thrusters = each(&file.thruster, |k, t| check.thruster(k, t, &model.bodies));
     model.modes = check.modes();
     model.sensors = check.sensors();
     model.telemetry = check_telemetry(file.telemetry.clone(), Some(file), check.findings);

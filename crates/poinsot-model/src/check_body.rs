@@ -2,7 +2,7 @@
 
 use crate::check::Check;
 use crate::file::{BodyFile, InertiaFile, Parameter, Which};
-use crate::finding::{Key, all};
+use crate::finding::Key;
 use crate::vehicle::{Body, EstimateSet, Joint, JointKind, Model};
 use poinsot_files::{list, short};
 use poinsot_spatial::{MassProperties, Matrix3, Unphysical, Vector3, tensor};
@@ -39,13 +39,8 @@ fn joint_of<'m>(model: &'m Model, body: &Body) -> Option<&'m Joint> {
 }
 
 impl Check<'_, '_> {
-    /// The bodies in file order; an invalid one is replaced by a default.
-    pub fn bodies(&mut self) -> Vec<Body> {
-        let bodies = all(&self.file.body).iter().enumerate();
-        bodies.map(|(k, body)| self.body(k, body)).collect()
-    }
-
-    fn body(&mut self, k: usize, file: &BodyFile) -> Body {
+    /// One body; an invalid one is replaced by a default.
+    pub fn body(&mut self, k: usize, file: &BodyFile) -> Body {
         let key = Key::entry("body", k, file.name.as_deref());
         let estimate = estimate_set(file.estimate.as_ref());
         let before = self.findings.count();
@@ -84,7 +79,9 @@ impl Check<'_, '_> {
         if mass > 0.0 && mass < SMALLEST_MASS {
             let problem = format!("the mass is below {SMALLEST_MASS:e} kg");
             let remedy = "correct it; 0 means a body without mass";
-            return self.refuse("E0108", &key.at("mass_kg"), problem, remedy);
+            return self
+                .findings
+                .refused("E0108", &key.at("mass_kg"), problem, remedy);
         }
         let absent = [
             ("com_m", file.com_m.is_none()),
@@ -97,7 +94,7 @@ impl Check<'_, '_> {
             if !self.findings.has_near(&here) {
                 let problem = "the key is missing on a body that has mass";
                 let remedy = "give it, if need be as a rough guess with estimate = true";
-                self.findings.missing(&here, problem, remedy);
+                self.findings.refuse("E0106", &here, problem, remedy);
             }
         }
         if absent.count() > 0 {

@@ -2,17 +2,12 @@
 
 use crate::check::Check;
 use crate::file::{JointFile, SpringDamperFile, SpringParameter, Which};
-use crate::finding::{Key, all};
+use crate::finding::Key;
 use crate::vehicle::{Joint, JointKind, SpringDamper, SpringNumber};
 use poinsot_spatial::Vector3;
 
 impl Check<'_, '_> {
-    pub fn joints(&mut self) -> Vec<Joint> {
-        let joints = all(&self.file.joint).iter().enumerate();
-        joints.filter_map(|(k, file)| self.joint(k, file)).collect()
-    }
-
-    fn joint(&mut self, k: usize, file: &JointFile) -> Option<Joint> {
+    pub fn joint(&mut self, k: usize, file: &JointFile) -> Option<Joint> {
         let key = Key::entry("joint", k, file.name.as_deref());
         let rotation = self.rotation(file.rotation_xyzw, file.rotation_matrix, &key);
         let (kind, here) = (file.kind?, key.at("axis"));

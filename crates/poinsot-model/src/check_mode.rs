@@ -61,7 +61,9 @@ impl Check<'_, '_> {
             let about = short(about);
             let problem = format!("the panel has the inertia {about} kg m2 about its hinge");
             let remedy = "give the positive inertia of a body that has this mass";
-            return self.refuse("E0115", &key.at("inertia_kg_m2"), problem, remedy);
+            return self
+                .findings
+                .refused("E0115", &key.at("inertia_kg_m2"), problem, remedy);
         }
         let (root, across) = (about.sqrt(), axis.cross_matrix());
         let turned = across * I - I * across;
@@ -123,7 +125,7 @@ impl Check<'_, '_> {
         }
         let problem = format!("the damping is {} times the critical one", short(ratio));
         let remedy = "give a smaller damping, or a stiffer spring";
-        self.refuse("E0115", key, problem, remedy)
+        self.findings.refused("E0115", key, problem, remedy)
     }
 
     /// Reports modes that carry more than the vehicle has where its joints stand: what follows the base at once must keep a positive

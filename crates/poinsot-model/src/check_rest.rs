@@ -5,7 +5,7 @@ use crate::file::{
     Gravity, MomentumVectorFile, MomentumWord, NuisanceFile, NuisanceWord, OrbitFile, ThrusterFile,
     WheelFile,
 };
-use crate::finding::{Key, all};
+use crate::finding::Key;
 use crate::vehicle::{
     Body, Environment, Momentum, MomentumKnowledge, Nuisance, Orbit, Propellant, Thruster, Wheel,
 };
@@ -33,13 +33,7 @@ impl Check<'_, '_> {
         sigma.map_or(Nuisance::Known, |sigma| Nuisance::Prior(*sigma))
     }
 
-    pub fn wheels(&mut self, bodies: &[Body]) -> Vec<Wheel> {
-        let wheels = all(&self.file.wheel).iter().enumerate();
-        let all = wheels.filter_map(|(k, file)| self.wheel(k, file, bodies));
-        all.collect()
-    }
-
-    fn wheel(&mut self, k: usize, file: &WheelFile, bodies: &[Body]) -> Option<Wheel> {
+    pub fn wheel(&mut self, k: usize, file: &WheelFile, bodies: &[Body]) -> Option<Wheel> {
         let key = Key::entry("wheel", k, file.name.as_deref());
         let axis_B = self.axis(&file.axis?, &key.at("axis"), "axis")?;
         let (name, spin_inertia) = (file.name.clone()?, file.spin_inertia_kg_m2?);
@@ -67,13 +61,7 @@ impl Check<'_, '_> {
         })
     }
 
-    pub fn thrusters(&mut self, bodies: &[Body]) -> Vec<Thruster> {
-        let thrusters = all(&self.file.thruster).iter().enumerate();
-        let all = thrusters.filter_map(|(k, file)| self.thruster(k, file, bodies));
-        all.collect()
-    }
-
-    fn thruster(&mut self, k: usize, file: &ThrusterFile, bodies: &[Body]) -> Option<Thruster> {
+    pub fn thruster(&mut self, k: usize, file: &ThrusterFile, bodies: &[Body]) -> Option<Thruster> {
         let key = Key::entry("thruster", k, file.name.as_deref());
         let scale = self.nuisance(&file.scale, &key.at("scale"), "sigma");
         let here = key.at("force_direction");

@@ -18,7 +18,7 @@ impl Check<'_, '_> {
         if largest < 1e-100 {
             let problem = format!("the {what} has length zero");
             let remedy = "give a direction, for example [0.0, 0.0, 1.0]";
-            return self.refuse("E0113", key, problem, remedy);
+            return self.findings.refused("E0113", key, problem, remedy);
         }
         // A unit vector is kept unchanged, so that a written model reads back equal.
         if (given.norm_squared() - 1.0).abs() <= 8.0 * f64::EPSILON {
@@ -50,7 +50,8 @@ impl Check<'_, '_> {
             (None, Some(rows)) => self.matrix(rows, &here),
             (Some(_), Some(_)) => {
                 let problem = "rotation_xyzw is given too";
-                self.refuse("E0114", &here, problem, "keep one of the two")
+                self.findings
+                    .refused("E0114", &here, problem, "keep one of the two")
             }
         }
     }
@@ -59,7 +60,9 @@ impl Check<'_, '_> {
         let largest = xyzw.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         if largest < 1e-100 {
             let remedy = "write [0.0, 0.0, 0.0, 1.0] for no rotation";
-            return self.refuse("E0114", key, "the quaternion is zero", remedy);
+            return self
+                .findings
+                .refused("E0114", key, "the quaternion is zero", remedy);
         }
         let scaled = xyzw.map(|x| x / largest);
         let norm = scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -91,11 +94,13 @@ impl Check<'_, '_> {
                 list(&lengths)
             );
             let remedy = "write at least seven digits, or rotation_xyzw";
-            return self.refuse("E0114", key, problem, remedy);
+            return self.findings.refused("E0114", key, problem, remedy);
         }
         if rotation.determinant() < 0.0 {
             let problem = "the matrix has determinant -1: it mirrors (left-handed axes)";
-            return self.refuse("E0114", key, problem, "reverse one axis");
+            return self
+                .findings
+                .refused("E0114", key, problem, "reverse one axis");
         }
         if given > ROUNDING {
             let given = short(given);

@@ -3,7 +3,7 @@
 use crate::check::Check;
 use crate::check_name::unknown_name;
 use crate::file::{ModelFile, NamesFile, NoiseFile, NuisanceFile, SensorFile};
-use crate::finding::{Key, all};
+use crate::finding::{Key, each};
 use crate::vehicle::{ErrorKey, JointKind, Nuisance, Sensor, SensorKind, SlowError};
 use poinsot_files::list;
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
@@ -22,8 +22,7 @@ struct Readable<'a> {
 
 fn readables(file: &ModelFile) -> [Readable<'_>; 4] {
     let joints = |kind, revolute, prismatic| {
-        let items = all(&file.joint).iter().enumerate();
-        let items = items.filter_map(|(k, joint)| {
+        let items = each(&file.joint, |k, joint| {
             let unit = match joint.kind? {
                 JointKind::Revolute => revolute,
                 JointKind::Prismatic => prismatic,
@@ -34,25 +33,21 @@ fn readables(file: &ModelFile) -> [Readable<'_>; 4] {
         Readable {
             kind,
             table: "joint",
-            items: items.collect(),
+            items,
         }
     };
-    let wheels = all(&file.wheel).iter().enumerate();
-    let wheels = wheels.filter_map(|(k, w)| Some((k, w.name.as_deref()?, "rad_s")));
-    let thrusters = all(&file.thruster).iter().enumerate();
-    let thrusters = thrusters.filter_map(|(k, t)| Some((k, t.name.as_deref()?, "N")));
     [
         joints(SensorKind::JointPosition, "rad", "m"),
         joints(SensorKind::JointRate, "rad_s", "m_s"),
         Readable {
             kind: SensorKind::WheelSpeed,
             table: "wheel",
-            items: wheels.collect(),
+            items: each(&file.wheel, |k, w| Some((k, w.name.as_deref()?, "rad_s"))),
         },
         Readable {
             kind: SensorKind::Thrust,
             table: "thruster",
-            items: thrusters.collect(),
+            items: each(&file.thruster, |k, t| Some((k, t.name.as_deref()?, "N"))),
         },
     ]
 }
@@ -67,9 +62,9 @@ fn can_see() -> String {
 impl Check<'_, '_> {
     pub fn sensors(&mut self) -> Vec<Sensor> {
         let readable = readables(self.file);
-        let sensors = all(&self.file.sensor).iter().enumerate();
-        let all = sensors.filter_map(|(k, file)| self.sensor_on_body(k, file, &readable));
-        all.collect()
+        each(&self.file.sensor, |k, file| {
+            self.sensor_on_body(k, file, &readable)
+        })
     }
 
     fn sensor_on_body(
@@ -107,13 +102,13 @@ impl Check<'_, '_> {
         let Some(relative) = kind.seen_from_a_body() else {
             let problem = format!("a sensor of type \"{}\" observes no body", kind.word());
             let remedy = format!("remove it; sensors of type {} can have it", can_see());
-            return self.refuse("E0118", &here, problem, remedy);
+            return self.findings.refused("E0118", &here, problem, remedy);
         };
         let from = self.body_of(Some(name))?;
         if body == Some(from) {
             let problem = "the sensor would observe its own body";
             let remedy = "write the observed body as body, and the body that carries the camera as seen_from";
-            return self.refuse("E0118", &here, problem, remedy);
+            return self.findings.refused("E0118", &here, problem, remedy);
         }
         Some((relative, from))
     }
@@ -333,9 +328,10 @@ impl Check<'_, '_> {
                     list(&moments)
                 );
                 let remedy = "write the symmetric square root S of the covariance S S";
-                return self.refuse("E0118", &here, problem, remedy);
+                return self.findings.refused("E0118", &here, problem, remedy);
             }
         };
-        self.refuse("E0118", &here, problem, "write one number")
+        self.findings
+            .refused("E0118", &here, problem, "write one number")
     }
 }

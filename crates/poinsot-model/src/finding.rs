@@ -106,6 +106,18 @@ impl<'d> Findings<'d> {
         self.faults.push(fault.with_value(value));
     }
 
+    /// A fault in place of a value that cannot be read.
+    pub fn refused<T>(
+        &mut self,
+        code: &'static str,
+        key: &Key,
+        problem: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Option<T> {
+        self.refuse(code, key, problem, remedy);
+        None
+    }
+
     /// Adds a note that is not an error.
     pub fn note(&mut self, key: &Key, text: impl fmt::Display) {
         let (line, _) = self.document.line_column(self.document.place(&key.path).0);
@@ -115,11 +127,6 @@ impl<'d> Findings<'d> {
         };
         self.notes
             .push((line, format!("line {line}: {}{subject}: {text}", key.path)));
-    }
-
-    /// Reports a missing key at its entry.
-    pub fn missing(&mut self, key: &Key, problem: &str, remedy: &str) {
-        self.refuse("E0106", key, problem, remedy);
     }
 
     /// Whether a finding exists at this key, below it, or at another spelling of it; the key is then not missing.
@@ -163,4 +170,13 @@ impl<'d> Findings<'d> {
 /// The entries of a list of tables.
 pub(crate) fn all<T>(list: &Option<Vec<T>>) -> &[T] {
     list.as_deref().unwrap_or_default()
+}
+
+/// What can be read of the entries of an optional list, each by its place there.
+pub(crate) fn each<'f, F, T>(
+    list: &'f Option<Vec<F>>,
+    mut read: impl FnMut(usize, &'f F) -> Option<T>,
+) -> Vec<T> {
+    let entries = all(list).iter().enumerate();
+    entries.filter_map(|(k, entry)| read(k, entry)).collect()
 }

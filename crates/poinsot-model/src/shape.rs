@@ -191,18 +191,6 @@ impl Shape<'_, '_> {
         clean
     }
 
-    /// Reports a fault; the answer is that there is no value.
-    fn refuse<T>(
-        &mut self,
-        code: &'static str,
-        key: &Key,
-        problem: impl Into<String>,
-        remedy: impl Into<String>,
-    ) -> Option<T> {
-        self.findings.refuse(code, key, problem, remedy);
-        None
-    }
-
     fn refuse_missing(&mut self, name: &str, row: &'static Schema, key: &Key, byte: usize) {
         let about = text_of(row, "description").and_then(|text| text.split(['.', ';']).next());
         let about = about.unwrap_or("see `poinsot schema`");
@@ -308,7 +296,8 @@ impl Shape<'_, '_> {
                 let problem = "the question has no answer".to_owned();
                 let remedy =
                     "write the value in place of \"?\": the comment of the line says which";
-                self.refuse(self.format.missing, key, problem, remedy)
+                self.findings
+                    .refused(self.format.missing, key, problem, remedy)
             }
             DeValue::String(text) => self.string(&alternatives, text, value, key),
             DeValue::Integer(integer) => {
@@ -369,7 +358,9 @@ impl Shape<'_, '_> {
         {
             let problem = format!("the list has {length} entries");
             let remedy = format!("write {}", self.expected(&[chosen]));
-            return self.refuse(self.format.kind, key, problem, remedy);
+            return self
+                .findings
+                .refused(self.format.kind, key, problem, remedy);
         }
         self.check_unique(row, items, key);
         let inner = chosen.get("items")?;
@@ -473,7 +464,7 @@ impl Shape<'_, '_> {
         };
         let problem = "the word is not one of those allowed here";
         let remedy = format!("write {}{nearest}", self.expected(alternatives));
-        self.refuse(self.word, key, problem, remedy)
+        self.findings.refused(self.word, key, problem, remedy)
     }
 
     fn number(
@@ -489,17 +480,23 @@ impl Shape<'_, '_> {
         if !number.is_finite() {
             let problem = "the number is not finite";
             let remedy = "write a finite number";
-            return self.refuse(self.format.range, key, problem, remedy);
+            return self
+                .findings
+                .refused(self.format.range, key, problem, remedy);
         }
         if number.abs() > LARGEST {
             let problem = "the number is larger than 1e30";
             let remedy = "check its unit: all quantities are SI";
-            return self.refuse(self.format.range, key, problem, remedy);
+            return self
+                .findings
+                .refused(self.format.range, key, problem, remedy);
         }
         let whole = schema.get("type").is_some_and(|t| t == "integer");
         if whole && number.fract() != 0.0 {
             let problem = "the number is not whole";
-            return self.refuse(self.format.kind, key, problem, "write a whole number");
+            return self
+                .findings
+                .refused(self.format.kind, key, problem, "write a whole number");
         }
         if let Some((problem, remedy)) = out_of_range(schema, &key.path, number) {
             self.findings.refuse(self.code, key, problem, remedy);
@@ -539,7 +536,8 @@ impl Shape<'_, '_> {
             format!("write {}", self.expected(alternatives))
         };
         let problem = format!("{found} is here, but another type is needed");
-        self.refuse(self.format.kind, key, problem, remedy)
+        self.findings
+            .refused(self.format.kind, key, problem, remedy)
     }
 
     /// Expected values, as text.
