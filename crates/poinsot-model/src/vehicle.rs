@@ -1,5 +1,6 @@
 //! The checked vehicle: in SI, names resolved to indices.
 
+use crate::file::asked;
 use crate::knowledge::{Knowledge, across};
 pub use poinsot_dynamics::propagation::{Mode, SpringNumber};
 pub use poinsot_dynamics::{
@@ -70,16 +71,11 @@ pub struct EstimateSet {
 impl EstimateSet {
     /// Names of what is unknown.
     pub fn words(&self) -> Vec<&'static str> {
-        let words = [
+        asked([
             ("mass", self.mass),
             ("com", self.com),
             ("inertia", self.inertia),
-        ];
-        words
-            .into_iter()
-            .filter(|(_, on)| *on)
-            .map(|(word, _)| word)
-            .collect()
+        ])
     }
 
     /// Whether a number is unknown, by its place among the ten mass properties.
@@ -267,15 +263,13 @@ pub struct ModeEstimate {
 impl ModeEstimate {
     /// Names of what is unknown.
     pub fn words(&self) -> Vec<&'static str> {
-        let words = [
+        asked([
             ("frequency", self.frequency),
             ("damping", self.damping),
             ("translation", self.translation),
             ("rotation", self.rotation),
             ("inertia slope", self.inertia_slope),
-        ];
-        let asked = words.into_iter().filter(|(_, on)| *on);
-        asked.map(|(word, _)| word).collect()
+        ])
     }
 }
 

@@ -145,24 +145,20 @@ fn spring_damper(
     slides: bool,
     unknown: &[SpringNumber],
 ) -> SpringDamperFile {
-    let (stiffness, damping) = (Some(spring.stiffness), Some(spring.damping));
     let asked = SpringParameter::ALL.map(|(key, number)| (key, unknown.contains(&number)));
-    let estimate = Which::of(asked);
-    match slides {
-        true => SpringDamperFile {
-            stiffness_N_per_m: stiffness,
-            damping_N_s_per_m: damping,
-            rest_m: Some(spring.rest),
-            estimate,
-            ..SpringDamperFile::default()
-        },
-        false => SpringDamperFile {
-            stiffness_N_m_per_rad: stiffness,
-            damping_N_m_s_per_rad: damping,
-            rest_rad: Some(spring.rest),
-            estimate,
-            ..SpringDamperFile::default()
-        },
+    let numbers = [spring.stiffness, spring.damping, spring.rest].map(Some);
+    let [turning, sliding] = match slides {
+        true => [[None; 3], numbers],
+        false => [numbers, [None; 3]],
+    };
+    SpringDamperFile {
+        stiffness_N_m_per_rad: turning[0],
+        stiffness_N_per_m: sliding[0],
+        damping_N_m_s_per_rad: turning[1],
+        damping_N_s_per_m: sliding[1],
+        rest_rad: turning[2],
+        rest_m: sliding[2],
+        estimate: Which::of(asked),
     }
 }
 

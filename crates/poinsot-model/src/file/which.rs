@@ -24,11 +24,16 @@ impl<P: PartialEq> Which<P> {
 
     /// Those of some numbers that are unknown; `None` where none is.
     pub(crate) fn of<const N: usize>(numbers: [(P, bool); N]) -> Option<Self> {
-        let asked: Vec<P> = numbers.into_iter().filter(|n| n.1).map(|n| n.0).collect();
+        let asked = asked(numbers);
         match asked.len() {
             0 => None,
             all if all == N => Some(Self::All(true)),
             _ => Some(Self::Some(asked)),
         }
     }
+}
+
+/// Those that are asked for.
+pub(crate) fn asked<P, const N: usize>(all: [(P, bool); N]) -> Vec<P> {
+    all.into_iter().filter(|n| n.1).map(|n| n.0).collect()
 }
