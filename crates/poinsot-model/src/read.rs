@@ -48,16 +48,9 @@ pub fn parse_model(text: &str, file: &str) -> Result<Model, Faults> {
         refuse_file("E0106", "there is no body", "add [[body]]", &mut findings);
     }
     let notes = findings.finish()?;
-    match model {
-        Some(model) => Ok(Model { notes, ..model }),
-        None => Err(Fault::new(
-            "E0101",
-            Place::label(file),
-            "there is no model",
-            "add [[body]]",
-        )
-        .into()),
-    }
+    let (place, problem) = (Place::label(file), "there is no model");
+    let model = model.ok_or_else(|| Faults::one("E0101", place, problem, "add [[body]]"))?;
+    Ok(Model { notes, ..model })
 }
 
 /// Reads a file with only a `[telemetry]` table (`--map`).

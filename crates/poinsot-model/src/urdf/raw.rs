@@ -55,7 +55,8 @@ pub(crate) const ELEMENTS: [&str; 6] = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"
 pub(super) fn read(text: &str, remarks: &mut Vec<Remark>) -> Option<Robot> {
     if let Some(excess) = excess(text) {
         let remedy = "name a URDF file";
-        remarks.push(not_xml(excess.byte, excess.problem, remedy));
+        let (code, byte) = (Some("E0120"), excess.byte);
+        remarks.push(Remark::new(code, byte, excess.problem, remedy));
         return None;
     }
     let options = ParsingOptions {
@@ -112,10 +113,6 @@ pub(super) fn read(text: &str, remarks: &mut Vec<Remark>) -> Option<Robot> {
     Some(robot)
 }
 
-fn not_xml(byte: usize, problem: String, remedy: &str) -> Remark {
-    Remark::new(Some("E0120"), byte, problem, remedy)
-}
-
 fn ill_formed(text: &str, error: &roxmltree::Error) -> Remark {
     let place = error.pos();
     let start = text
@@ -149,7 +146,16 @@ fn ill_formed(text: &str, error: &roxmltree::Error) -> Remark {
             (format!("not well-formed XML: {words}"), "correct it here")
         }
     };
-    not_xml(byte, problem, remedy)
+    Remark::new(Some("E0120"), byte, problem, remedy)
+}
+
+/// Elements whose numbers and names are read.
+const READ: [&str; 9] = [
+    "link", "joint", "inertial", "mass", "inertia", "origin", "axis", "parent", "child",
+];
+
+fn is_xacro(text: &str) -> bool {
+    text.contains("${") || text.contains("$(")
 }
 
 /// Finds xacro tags anywhere, or `${...}` and `$(...)` in names and numbers.
@@ -159,21 +165,8 @@ fn find_xacro(document: &Document<'_>, remarks: &mut Vec<Remark>) {
         name.name().contains("xacro") || name.namespace().is_some_and(|s| s.contains("xacro"))
     };
     let substitutes = |n: &Node<'_, '_>| {
-        let read = matches!(
-            n.tag_name().name(),
-            "link"
-                | "joint"
-                | "inertial"
-                | "mass"
-                | "inertia"
-                | "origin"
-                | "axis"
-                | "parent"
-                | "child"
-        );
-        read && n
-            .attributes()
-            .any(|a| a.value().contains("${") || a.value().contains("$("))
+        let mut values = n.attributes().map(|a| a.value());
+        READ.contains(&n.tag_name().name()) && values.any(is_xacro)
     };
     let mut elements = document.descendants().filter(Node::is_element);
     if let Some(node) = elements.find(|n| is_tag(n) || substitutes(n)) {
@@ -421,9 +414,7 @@ impl Reader<'_> {
 
 fn cause(word: &str) -> (String, &'static str) {
     let (what, remedy) = match word.parse::<f64>() {
-        _ if word.contains("${") || word.contains("$(") => {
-            ("is xacro", "run xacro first: xacro FILE > robot.urdf")
-        }
+        _ if is_xacro(word) => ("is xacro", "run xacro first: xacro FILE > robot.urdf"),
         _ if word.contains(',') => (
             "has a comma",
             "write a decimal point, and blanks between numbers",
