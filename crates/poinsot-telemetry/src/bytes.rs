@@ -14,39 +14,10 @@ const MAX_LINE: usize = 16 << 20;
 /// Bytes before the text that some programs write in UTF-8.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// Reason why reading stopped, with the byte.
-#[derive(Debug)]
-pub(crate) enum ByteFault {
-    Nul(u64),
-    Line(u64),
+/// E0202: bytes that are no text; the reader of the text names the file.
+fn no_text(problem: String, advice: &str) -> io::Error {
+    io::Error::other(Faults::one("E0202", Place::default(), problem, advice))
 }
-
-impl ByteFault {
-    /// E0202: the fault of this file.
-    pub fn at(&self, path: &Path) -> Faults {
-        let (problem, advice) = match self {
-            Self::Nul(byte) => (
-                format!("byte {byte} is NUL: the file is not text, or is UTF-16"),
-                "save it as UTF-8",
-            ),
-            Self::Line(byte) => (
-                format!(
-                    "a line is longer than 16 MiB (at byte {byte}): the file is damaged or is not CSV"
-                ),
-                "write it again, a line for each row",
-            ),
-        };
-        Faults::one("E0202", Place::file(path), problem, advice)
-    }
-}
-
-impl std::fmt::Display for ByteFault {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{self:?}")
-    }
-}
-
-impl std::error::Error for ByteFault {}
 
 /// What a file holds, on disk or in memory.
 pub(crate) trait Content: Read + Seek + Send + Debug {}
@@ -257,7 +228,9 @@ impl<R: Read> Read for TextBytes<R> {
             }
             let read = buffer.get_mut(..n).unwrap_or_default();
             if let Some(at) = memchr(0, read) {
-                return Err(io::Error::other(ByteFault::Nul(self.offset + at as u64)));
+                let byte = self.offset + at as u64;
+                let problem = format!("byte {byte} is NUL: the file is not text, or is UTF-16");
+                return Err(no_text(problem, "save it as UTF-8"));
             }
             self.offset += n as u64;
             let mut kept = self.plain_line_ends(read);
@@ -270,7 +243,11 @@ impl<R: Read> Read for TextBytes<R> {
                 None => self.line += kept,
             }
             if self.line > MAX_LINE {
-                return Err(io::Error::other(ByteFault::Line(self.offset)));
+                let problem = format!(
+                    "a line is longer than 16 MiB (at byte {}): the file is damaged or is not CSV",
+                    self.offset
+                );
+                return Err(no_text(problem, "write it again, a line for each row"));
             }
             if let Some(&last) = text.last() {
                 self.last = last;

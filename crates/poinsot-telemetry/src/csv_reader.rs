@@ -1,6 +1,6 @@
 //! Reads CSV with one header row, and the text that exports put around it.
 
-use crate::bytes::{ByteFault, Opened, TextBytes, unreadable};
+use crate::bytes::{Opened, TextBytes, unreadable};
 use crate::columns::Columns;
 use crate::csv_rows::{CsvRows, Row};
 use crate::error::shown;
@@ -282,11 +282,13 @@ fn no_header(header: &[String], comment: Option<u8>) -> Option<char> {
 
 /// What was read of the text; an error names the file.
 fn readable<T>(path: &Path, read: io::Result<T>) -> Result<T, Faults> {
-    read.map_err(|source| {
-        let fault = source.get_ref().and_then(|f| f.downcast_ref::<ByteFault>());
-        match fault {
-            Some(fault) => fault.at(path),
-            None => damaged(path, source),
-        }
+    read.map_err(|mut source| {
+        let no_text = source.get_mut().and_then(|f| f.downcast_mut::<Faults>());
+        let Some(mut faults) = no_text.map(std::mem::take) else {
+            return damaged(path, source);
+        };
+        let list = faults.list.iter_mut();
+        list.for_each(|fault| fault.place = Place::file(path));
+        faults
     })
 }
