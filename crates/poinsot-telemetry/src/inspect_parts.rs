@@ -7,7 +7,7 @@ use crate::inspect::{ChannelSummary, Inspection, notes};
 use crate::plan::{self, Plan};
 use crate::read::{read, read_file_in_parts};
 use crate::selection::TOO_LARGE;
-use crate::{ReadOptions, Source, Table, TelemetryMap, assemble, inspect, suggestions, time_base};
+use crate::{ReadOptions, Source, Table, assemble, inspect, suggestions, time_base};
 use poinsot_files::{Faults, Place};
 use std::path::{Path, PathBuf};
 
@@ -88,13 +88,7 @@ fn in_parts(
             path.display()
         ));
     }
-    let options = &ReadOptions {
-        map: TelemetryMap {
-            all: map,
-            ..TelemetryMap::default()
-        },
-        ..options.clone()
-    };
+    let options = &options.with_map(map);
     let mut parts = Parts {
         path,
         strict: options.strict,

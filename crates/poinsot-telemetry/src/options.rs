@@ -1,6 +1,6 @@
 //! Options of reading telemetry.
 
-use crate::{Mounting, Origin, TelemetryMap};
+use crate::{FileMap, Mounting, Origin, TelemetryMap};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Options for the files of one segment.
@@ -38,6 +38,17 @@ pub struct ReadOptions {
 }
 
 impl ReadOptions {
+    /// These options for a source with its own map.
+    pub(crate) fn with_map(&self, all: FileMap) -> Self {
+        Self {
+            map: TelemetryMap {
+                all,
+                ..TelemetryMap::default()
+            },
+            ..self.clone()
+        }
+    }
+
     /// Memory limit with its default, MiB; at most what the limit of the command leaves.
     pub(crate) fn memory_limit_mib(&self) -> usize {
         let asked = match self.memory_mib {

@@ -7,7 +7,7 @@ use crate::map::{AttitudeForm, fits_path};
 use crate::map_faults::resolve;
 use crate::{
     AttitudeMap, ChannelName, ColumnMap, DecimalSign, Dimension, FileMap, NamedMap, OrbitFrame,
-    ReadOptions, Sense, TimeFormat, Unit, classify, map_faults, parse_unit, suggestions,
+    ReadOptions, Sense, TimeFormat, Unit, classify, parse_unit, suggestions,
 };
 use poinsot_files::{Faults, Place, nearest};
 use std::collections::HashSet;
@@ -82,11 +82,6 @@ impl Plan {
 
 /// Limit on the number of columns; only a damaged header has more.
 const MAX_COLUMNS: usize = 65_536;
-
-pub(crate) fn check_maps(options: &ReadOptions) -> Result<(), Faults> {
-    let mut faults = map_faults(&options.map).into_iter();
-    faults.next().map_or(Ok(()), |fault| Err(fault.into()))
-}
 
 /// A header with its units row, and the columns assigned so far.
 struct Planner<'a> {
@@ -309,7 +304,7 @@ impl Planner<'_> {
     }
 
     /// Assigns an ephemeris: position, and velocity if requested.
-    fn orbit(&mut self, map: &FileMap, options: &ReadOptions) -> Result<(), Faults> {
+    fn orbit(&mut self, map: &FileMap) -> Result<(), Faults> {
         let Some(orbit) = &map.orbit else {
             return Ok(());
         };
@@ -319,7 +314,7 @@ impl Planner<'_> {
             ("orbit", &orbit.position, &orbit.unit),
             ("v", &velocity, &orbit.velocity_unit),
         ];
-        let asked = classify("v_x").is_some_and(|name| is_wanted(&name, options));
+        let asked = classify("v_x").is_some_and(|name| self.is_wanted(&name));
         let count = 1 + usize::from(orbit.velocity.is_some());
         let group = self.groups.len();
         for (k, (prefix, columns, unit)) in all.into_iter().take(count).enumerate() {
@@ -377,15 +372,10 @@ impl Planner<'_> {
         Ok((Some((index, clock)), Some(week)))
     }
 
-    /// Takes the columns that the map does not name by their own names; those that nothing asks for are returned. The first
-    /// `mapped` channels are those of the map.
-    fn rest(
-        &mut self,
-        (map, options): (&FileMap, &ReadOptions),
-        mapped: usize,
-        time: &mut PlannedTime,
-    ) -> Result<Vec<String>, Faults> {
+    /// Takes the columns that the map does not name by their own names; those that nothing asks for are returned.
+    fn rest(&mut self, map: &FileMap, time: &mut PlannedTime) -> Result<Vec<String>, Faults> {
         let mut ignored = Vec::new();
+        let mapped = self.channels.len();
         // Those of all rows, and those of some channels where this file lacks others of them.
         let chosen = map.columns.iter().filter(|c| !c.rows.is_empty());
         let filters = map.filters().map(|f| f.0);
@@ -411,7 +401,7 @@ impl Planner<'_> {
                         ignored.push(column.clone());
                     }
                 }
-                Some(name) if is_wanted(&name, options) && !named(&self.channels, &name) => {
+                Some(name) if self.is_wanted(&name) && !named(&self.channels, &name) => {
                     let unit = self.unit(None, index, &name)?;
                     self.push(index, name, Conversion::Unit(unit), (None, None));
                 }
@@ -426,11 +416,11 @@ impl Planner<'_> {
     }
 
     /// Columns of a joint, wheel or thruster that the map gives to another one alone.
-    fn given_away(&self, options: &ReadOptions) -> Vec<String> {
+    fn given_away(&self) -> Vec<String> {
         let all = &self.channels;
         let note = |taker: &PlannedChannel| {
             let own = classify(&taker.column).filter(|own| !own.subject.is_empty())?;
-            let gone = !all.iter().any(|c| c.name == own) && is_wanted(&own, options);
+            let gone = !all.iter().any(|c| c.name == own) && self.is_wanted(&own);
             let (own, taker) = (own.full(), taker.name.full());
             gone.then(|| {
                 format!(
@@ -439,6 +429,11 @@ impl Planner<'_> {
             })
         };
         all.iter().filter_map(note).collect()
+    }
+
+    fn is_wanted(&self, name: &ChannelName) -> bool {
+        let wanted = self.options.wanted.as_ref();
+        wanted.is_none_or(|set| set.contains(&name.name) || set.contains(&name.full()))
     }
 }
 
@@ -474,10 +469,9 @@ pub(crate) fn build(
     for attitude in &map.attitude {
         planner.attitude(attitude)?;
     }
-    planner.orbit(&map, options)?;
-    let mapped = planner.channels.len();
-    let ignored = planner.rest((&map, options), mapped, &mut time)?;
-    let mut notes = planner.given_away(options);
+    planner.orbit(&map)?;
+    let ignored = planner.rest(&map, &mut time)?;
+    let mut notes = planner.given_away();
     notes.append(&mut planner.notes);
     let Some((time_index, mut clock)) = time else {
         return Err(no_time(path, header, map.layout.header_row));
@@ -513,13 +507,6 @@ pub(crate) fn build(
         notes,
         decimal_comma: map.layout.decimal == Some(DecimalSign::Comma),
     })
-}
-
-fn is_wanted(name: &ChannelName, options: &ReadOptions) -> bool {
-    options
-        .wanted
-        .as_ref()
-        .is_none_or(|set| set.contains(&name.name) || set.contains(&name.full()))
 }
 
 fn check_header(path: &Path, header: &[String]) -> Result<(), Faults> {

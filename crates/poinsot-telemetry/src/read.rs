@@ -9,8 +9,8 @@ use crate::packing::unpacked_name;
 use crate::plan::{Plan, PlannedChannel};
 use crate::selection::WhenFull;
 use crate::{
-    FileMap, Part, ReadOptions, Source, Table, TelemetryMap, Turned, assemble, check_conventions,
-    csv_reader, full_name, memory, mount, orbital, parquet_reader, plan, time_base,
+    FileMap, Part, ReadOptions, Source, Table, Turned, assemble, check_conventions, csv_reader,
+    full_name, map_faults, memory, mount, orbital, parquet_reader, plan, time_base,
 };
 use poinsot_files::{Faults, Place, as_read};
 use std::collections::HashSet;
@@ -65,7 +65,9 @@ pub fn read<P: AsRef<Path>>(paths: &[P], options: &ReadOptions) -> Result<Table,
 /// # Ok::<(), poinsot_files::Faults>(())
 /// ```
 pub fn read_parts(parts: &[Part], options: &ReadOptions) -> Result<Table, Faults> {
-    plan::check_maps(options)?;
+    if let Some(fault) = map_faults(&options.map).into_iter().next() {
+        return Err(fault.into());
+    }
     let mut reading = Reading {
         options,
         table: Table::default(),
@@ -109,11 +111,7 @@ impl Reading<'_> {
     fn options(&self, map: FileMap) -> ReadOptions {
         ReadOptions {
             origin: self.table.origin.or(self.options.origin),
-            map: TelemetryMap {
-                all: map,
-                ..TelemetryMap::default()
-            },
-            ..self.options.clone()
+            ..self.options.with_map(map)
         }
     }
 
