@@ -86,9 +86,8 @@ pub fn integral(channel: &Channel) -> Channel {
 /// End index (exclusive) of the run that starts at `start`.
 fn run_end(time_s: &[f64], start: usize, max_gap: f64) -> usize {
     let rest = time_s.get(start..).unwrap_or_default();
-    rest.iter()
-        .zip(rest.iter().skip(1))
-        .position(|(a, b)| b - a > max_gap)
+    rest.windows(2)
+        .position(|t| t[1] - t[0] > max_gap)
         .map_or(time_s.len(), |k| start + k + 1)
 }
 

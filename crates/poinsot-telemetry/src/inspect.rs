@@ -1,7 +1,7 @@
 //! Summary of a table for an engineer who sees it for the first time.
 
 use crate::conventions::{ConventionTest, convention_tests};
-use crate::median::median_step;
+use crate::median::{ends, median_step};
 use crate::noise::noise_level;
 use crate::{Channel, Source, Table, full_name, suggestions};
 use schemars::JsonSchema;
@@ -98,16 +98,13 @@ pub fn inspect(table: &Table) -> Inspection {
 
 fn summarise(channel: &Channel) -> Option<ChannelSummary> {
     let step = median_step(&channel.time_s);
-    let steps = channel
-        .time_s
-        .iter()
-        .zip(channel.time_s.iter().skip(1))
-        .map(|(a, b)| b - a);
+    let steps = channel.time_s.windows(2).map(|t| t[1] - t[0]);
     let lost = steps.clone().filter_map(|d| Some(missing(d, step?)));
     let gaps: Vec<f64> = steps
         .filter(|d| step.is_some_and(|s| *d > 3.0 * s))
         .collect();
     let noise = noise_level(channel);
+    let [min, max] = ends(&channel.values);
     Some(ChannelSummary {
         name: full_name(&channel.sensor, &channel.name),
         unit: channel.unit.clone(),
@@ -118,12 +115,8 @@ fn summarise(channel: &Channel) -> Option<ChannelSummary> {
         gaps: gaps.len(),
         lost: lost.fold(0, usize::saturating_add),
         longest_gap_s: gaps.iter().copied().fold(0.0, f64::max),
-        min: channel.values.iter().copied().fold(f64::INFINITY, f64::min),
-        max: channel
-            .values
-            .iter()
-            .copied()
-            .fold(f64::NEG_INFINITY, f64::max),
+        min,
+        max,
         constant: crate::noise::is_constant(&channel.values),
         // Computed with the noise, because sorting the values twice would double the cost.
         quantum: match &noise {

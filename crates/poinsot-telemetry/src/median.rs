@@ -9,12 +9,15 @@
 /// assert_eq!(median_step(&[0.0]), None);
 /// ```
 pub fn median_step(time_s: &[f64]) -> Option<f64> {
-    let mut steps: Vec<f64> = time_s
-        .iter()
-        .zip(time_s.iter().skip(1))
-        .map(|(a, b)| b - a)
-        .collect();
+    let mut steps: Vec<f64> = time_s.windows(2).map(|t| t[1] - t[0]).collect();
     median(&mut steps)
+}
+
+/// Least and largest value.
+pub(crate) fn ends(values: &[f64]) -> [f64; 2] {
+    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let largest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    [least, largest]
 }
 
 /// Median (upper of the two middle values); reorders the slice. `None` if empty.

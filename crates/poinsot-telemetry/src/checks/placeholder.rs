@@ -1,17 +1,13 @@
 //! Values that mean "no sample".
 
 use crate::Channel;
-use crate::median::spread;
+use crate::median::{ends, spread};
 
 /// Finds a value that repeats in at least 1 % of the samples, more than 20 robust sigmas from the median.
 pub(super) fn find(channel: &Channel) -> Option<(Vec<usize>, String)> {
     let values = &channel.values;
     let (centre, sigma) = spread(values)?;
-    let ends = [
-        values.iter().copied().reduce(f64::min)?,
-        values.iter().copied().reduce(f64::max)?,
-    ];
-    let (value, count) = ends
+    let (value, count) = ends(values)
         .into_iter()
         .map(|x| (x, values.iter().filter(|v| **v == x).count()))
         .find(|(x, count)| {

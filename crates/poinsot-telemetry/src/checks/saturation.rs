@@ -2,6 +2,7 @@
 
 use super::runs::{noise_is_visible, repeats, runs};
 use crate::Channel;
+use crate::median::ends;
 
 /// Consecutive samples at one end of the range.
 const PLATEAU: usize = 3;
@@ -11,8 +12,7 @@ const ALL: usize = 6;
 /// Runs of samples at the largest or smallest value, if no other value repeats.
 pub(super) fn find(channel: &Channel) -> Option<(Vec<usize>, String)> {
     let values = &channel.values;
-    let largest = values.iter().copied().reduce(f64::max)?;
-    let smallest = values.iter().copied().reduce(f64::min)?;
+    let [smallest, largest] = ends(values);
     let at_end = |x: f64| x == largest || x == smallest;
     let all = runs(values.len(), |k| repeats(channel, k));
     let plateaus: Vec<(usize, usize)> = all

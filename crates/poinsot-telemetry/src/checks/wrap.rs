@@ -1,7 +1,7 @@
 //! Channels that begin anew at a value: angles within one turn, counters, and integers of a two's complement read as unsigned.
 
 use super::{Check, Finding};
-use crate::median::median;
+use crate::median::{ends, median};
 use crate::{Change, Channel, Repair, common_step};
 use poinsot_files::rounded;
 use std::f64::consts::TAU;
@@ -73,7 +73,7 @@ pub(super) fn find(channel: &Channel) -> Option<Finding> {
 
 /// The step of which all values are multiples.
 fn least_step(v: &[f64]) -> Option<f64> {
-    let (low, high) = ends(v);
+    let [low, high] = ends(v);
     let size = low.abs().max(high.abs());
     let step = common_step(v, 1, 1.0e-9 * size, |n| OFF_STEP * (1.0 + n))?;
     // The whole range tells it better than one difference.
@@ -83,15 +83,9 @@ fn least_step(v: &[f64]) -> Option<f64> {
     v.iter().all(|x| off(x) < even).then_some(step)
 }
 
-/// Least and largest value.
-fn ends(v: &[f64]) -> (f64, f64) {
-    let least = v.iter().copied().fold(f64::INFINITY, f64::min);
-    (least, v.iter().copied().fold(f64::NEG_INFINITY, f64::max))
-}
-
 /// Whether the channel stays within one period, jumps only between its ends, and is continuous when it is continued there.
 fn begins_anew(v: &[f64], steps: &[f64], period: f64, (typical, largest): (f64, f64)) -> bool {
-    let (low, high) = ends(v);
+    let [low, high] = ends(v);
     let within = high - low < (1.0 + 1.0e-9) * period && high - low > (1.0 - ENDS) * period;
     let jumps = steps
         .iter()
