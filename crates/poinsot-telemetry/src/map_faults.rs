@@ -186,10 +186,7 @@ pub(crate) fn resolve(
         }
         unit if counts => {
             let key = "counts_per_revolution";
-            if !matches!(
-                name.dimension,
-                Dimension::Angle | Dimension::AngularVelocity
-            ) {
+            if ![Dimension::Angle, Dimension::AngularVelocity].contains(&name.dimension) {
                 let problem = "only an angle or its rate has counts per revolution";
                 return refuse(key, problem, "map the column with its unit");
             }

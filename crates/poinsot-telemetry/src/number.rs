@@ -177,29 +177,18 @@ pub(crate) fn decimal(cell: &[u8]) -> Option<i128> {
 }
 
 pub(crate) fn flag(cell: &[u8]) -> Result<Option<bool>, InvalidNumber> {
-    const WORDS: [(&str, bool); 10] = [
-        ("1", true),
-        ("0", false),
-        ("on", true),
-        ("off", false),
-        ("true", true),
-        ("false", false),
-        ("open", true),
-        ("closed", false),
-        ("1.0", true),
-        ("0.0", false),
-    ];
+    const ON: [&str; 5] = ["1", "on", "true", "open", "1.0"];
+    const OFF: [&str; 5] = ["0", "off", "false", "closed", "0.0"];
     let cell = cell.trim_ascii();
-    if cell.is_empty() || cell.eq_ignore_ascii_case(b"nan") {
-        return Ok(None);
+    let is = |word: &&str| cell.eq_ignore_ascii_case(word.as_bytes());
+    match (ON.iter().any(is), OFF.iter().any(is)) {
+        _ if cell.is_empty() || is(&"nan") => Ok(None),
+        (false, false) => Err(InvalidNumber(
+            "is no flag",
+            Some("write 0 or 1, or map the column with a unit in place of nominal_N"),
+        )),
+        (on, _) => Ok(Some(on)),
     }
-    let word = WORDS
-        .iter()
-        .find(|(word, _)| cell.eq_ignore_ascii_case(word.as_bytes()));
-    word.map(|(_, on)| Some(*on)).ok_or(InvalidNumber(
-        "is no flag",
-        Some("write 0 or 1, or map the column with a unit in place of nominal_N"),
-    ))
 }
 
 /// The likely reason why a text is not a number.

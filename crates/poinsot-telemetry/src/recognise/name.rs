@@ -64,19 +64,14 @@ impl Name {
 
     /// The component that the name says: x, y, z, w, or the axis of a turn.
     pub fn component(&self) -> Option<usize> {
-        let turns = [Word::Roll, Word::Pitch, Word::Yaw];
-        self.axis
-            .or_else(|| turns.iter().position(|turn| self.has(*turn)))
+        let turn = || TURNS.iter().position(|turn| self.has(*turn));
+        self.axis.or_else(turn)
     }
 
     fn read(&mut self, tokens: &[String]) {
         let long: Vec<Option<Word>> = tokens.iter().map(|t| meaning(t)).collect();
-        let is_quantity = |word: &Word| {
-            !matches!(
-                word,
-                Word::Plain | Word::Estimate | Word::Command | Word::Attitude
-            )
-        };
+        let others = [Word::Plain, Word::Estimate, Word::Command, Word::Attitude];
+        let is_quantity = |word: &Word| !others.contains(word);
         let counted = long.iter().flatten().any(is_quantity);
         // A bias is written b_w or b_a.
         let second = tokens.get(1).and_then(|t| head(t));
