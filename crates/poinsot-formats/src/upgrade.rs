@@ -2,7 +2,6 @@
 
 use crate::address::address;
 use crate::estimate::ReferenceFile;
-use crate::number::{Axes, Elements};
 use serde_json::{Map, Value};
 
 /// Name suffixes of nuisance parameters in version 1; longer ones before those that they end in.
@@ -58,11 +57,11 @@ fn list<'v>(file: &'v mut Value, key: &str) -> impl Iterator<Item = &'v mut Valu
 }
 
 fn body_1(body: &mut Value) {
-    elements(body.get_mut("com_m"), &axes());
-    elements(body.get_mut("inertia_kg_m2"), &tensor());
+    elements(body.get_mut("com_m"), &AXES);
+    elements(body.get_mut("inertia_kg_m2"), &TENSOR);
     if let Some(about) = body.get_mut("barycentric") {
-        elements(about.get_mut("mc_kg_m"), &axes());
-        elements(about.get_mut("I_BBo_kg_m2"), &tensor());
+        elements(about.get_mut("mc_kg_m"), &AXES);
+        elements(about.get_mut("I_BBo_kg_m2"), &TENSOR);
     }
     if let Some(joints) = body.as_object_mut().and_then(|b| b.remove("joints")) {
         body["joint_positions"] = joints;
@@ -71,20 +70,12 @@ fn body_1(body: &mut Value) {
 
 fn momentum_1(momentum: &mut Value) {
     for key in ["linear_N_s", "angular_N_m_s"] {
-        elements(momentum.get_mut(key), &axes());
+        elements(momentum.get_mut(key), &AXES);
     }
 }
 
-fn axes() -> Vec<&'static str> {
-    Axes::of([(); 3]).named().map(|(name, ())| name).to_vec()
-}
-
-fn tensor() -> Vec<&'static str> {
-    Elements::by_name(|_| ())
-        .named()
-        .map(|(name, ())| name)
-        .to_vec()
-}
+const AXES: [&str; 3] = ["x", "y", "z"];
+const TENSOR: [&str; 6] = ["xx", "yy", "zz", "xy", "xz", "yz"];
 
 /// From `{ value: [..] }` or `{ value: { xx: .. } }` to `{ x: { value: .. } }`.
 fn elements(quantity: Option<&mut Value>, names: &[&str]) {
