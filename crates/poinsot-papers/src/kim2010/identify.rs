@@ -2,7 +2,7 @@
 //! that it does not certify are only in the report of the method.
 
 use super::Variant;
-use super::sums::{Manoeuvre, NAMES, StartRate, Sums, wheel_momentum};
+use super::sums::{Answer, Manoeuvre, NAMES, StartRate, Sums, wheel_momentum};
 use crate::certified::put;
 use crate::method::Named;
 use crate::numbers::printed;
@@ -10,7 +10,7 @@ use poinsot_files::{Faults, Place};
 use poinsot_identify::{
     Effect, Estimate, MethodReport, Problem, Remark, ReportedNumber, Segment, Status, linear,
 };
-use poinsot_spatial::{MassProperties, Matrix3, TENSOR, Vector3, tensor_index, tensor_name};
+use poinsot_spatial::{MassProperties, TENSOR, Vector3, tensor_index, tensor_name};
 
 /// A direction is identifiable if its sigma is below this fraction of nominal or below the requested accuracy.
 /// Stricter than elsewhere, because the estimators have no sigma of their own.
@@ -64,12 +64,12 @@ pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Faults>
         printed(format!("{prefix}_{name}"), "kg m2", value, nominal)
     };
     let six = NAMES.map(|name| tensor_name(tensor_index(name)));
-    let six = six.into_iter().zip(found.printed);
+    let six = six.into_iter().zip(found.answer.printed);
     let mut numbers: Vec<ReportedNumber> =
         six.map(|(name, x)| number("inertia", name, x)).collect();
     if variant == Variant::Batch {
         let nine = ["xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"];
-        let rows = found.tensor.transpose();
+        let rows = found.answer.elements.transpose();
         let nine = nine.into_iter().zip(rows.iter());
         numbers.extend(nine.map(|(name, x)| number("element", name, *x)));
     }
@@ -81,7 +81,7 @@ pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Faults>
         estimate.add(Remark::test("convergence", Effect::WithholdsNumbers, words));
     }
     let body = MassProperties {
-        I_BBcm_B: (found.tensor + found.tensor.transpose()) * 0.5,
+        I_BBcm_B: (found.answer.elements + found.answer.elements.transpose()) * 0.5,
         ..nominal
     };
     put(problem, &mut estimate, &[body.parameters()], impossible);
@@ -151,8 +151,7 @@ fn sums(problem: &Problem) -> Result<Sums, Faults> {
 
 /// Result of one estimator.
 struct Found {
-    tensor: Matrix3,
-    printed: [f64; 6],
+    answer: Answer,
     note: String,
     numbers: Vec<ReportedNumber>,
     settled: bool,
@@ -200,8 +199,7 @@ fn run(sums: &Sums, variant: Variant) -> Result<Found, Faults> {
         }
     };
     Ok(Found {
-        tensor: answer.elements,
-        printed: answer.printed,
+        answer,
         note,
         numbers,
         settled,
