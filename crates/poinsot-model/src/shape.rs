@@ -290,44 +290,44 @@ impl Shape<'_, '_> {
         scope: &Scope<'_>,
     ) -> Option<Value> {
         let alternatives = self.alternatives(schema);
+        if self.findings.is_full() {
+            return None;
+        }
+        if value.get_ref().as_str() == Some("?") {
+            let problem = "the question has no answer";
+            let remedy = "write the value in place of \"?\": the comment of the line says which";
+            let code = self.format.missing;
+            return self.findings.refused(code, key, problem, remedy);
+        }
+        let (kind, words) = match value.get_ref() {
+            DeValue::String(_) => ("string", "text"),
+            DeValue::Integer(_) | DeValue::Float(_) => ("number", "a number"),
+            DeValue::Boolean(_) => ("boolean", "true or false"),
+            DeValue::Datetime(_) => ("date", "a date"),
+            DeValue::Array(_) => ("array", "a list"),
+            DeValue::Table(_) => ("object", "a table"),
+        };
+        let Some(inner) = accepts(&alternatives, kind) else {
+            return self.wrong_type(&alternatives, (value.get_ref(), words), key);
+        };
         match value.get_ref() {
-            _ if self.findings.is_full() => None,
-            DeValue::String(text) if text == "?" => {
-                let problem = "the question has no answer".to_owned();
-                let remedy =
-                    "write the value in place of \"?\": the comment of the line says which";
-                self.findings
-                    .refused(self.format.missing, key, problem, remedy)
-            }
-            DeValue::String(text) => self.string(&alternatives, text, value, key),
+            DeValue::String(text) => self.string((inner, &alternatives), text, key),
             DeValue::Integer(integer) => {
                 let number = i64::from_str_radix(integer.as_str(), integer.radix())
                     .map(|n| n as f64)
                     .or_else(|_| integer.as_str().parse());
-                self.number(&alternatives, number.unwrap_or(f64::NAN), value, key)
+                self.number(inner, number.unwrap_or(f64::NAN), key)
             }
             DeValue::Float(float) => {
-                let number = float.as_str().parse().unwrap_or(f64::NAN);
-                self.number(&alternatives, number, value, key)
+                self.number(inner, float.as_str().parse().unwrap_or(f64::NAN), key)
             }
-            DeValue::Boolean(flag) => {
-                if accepts(&alternatives, "boolean").is_some() {
-                    return Some(Value::Boolean(*flag));
-                }
-                self.wrong_type(&alternatives, value, key)
+            DeValue::Boolean(flag) => Some(Value::Boolean(*flag)),
+            DeValue::Array(items) => self.array((schema, &alternatives), items, key, scope),
+            DeValue::Table(table) => {
+                let table = self.table(inner, table, key, value.span().start, Some(scope));
+                Some(Value::Table(table))
             }
-            DeValue::Array(items) => self.array((schema, &alternatives), items, value, key, scope),
-            DeValue::Table(table) => match accepts(&alternatives, "object") {
-                Some(inner) => Some(Value::Table(self.table(
-                    inner,
-                    table,
-                    key,
-                    value.span().start,
-                    Some(scope),
-                ))),
-                None => self.wrong_type(&alternatives, value, key),
-            },
-            DeValue::Datetime(_) => self.wrong_type(&alternatives, value, key),
+            DeValue::Datetime(_) => None,
         }
     }
 
@@ -335,7 +335,6 @@ impl Shape<'_, '_> {
         &mut self,
         (row, alternatives): (&'static Schema, &[&'static Schema]),
         items: &[Spanned<DeValue<'_>>],
-        value: &Spanned<DeValue<'_>>,
         key: &Key,
         scope: &Scope<'_>,
     ) -> Option<Value> {
@@ -347,10 +346,7 @@ impl Shape<'_, '_> {
         let chosen = lists.min_by_key(|a| {
             let inner = a.get("items").map(|items| self.resolve(items));
             (inner.and_then(type_of) == Some("array")) != nested
-        });
-        let Some(chosen) = chosen else {
-            return self.wrong_type(alternatives, value, key);
-        };
+        })?;
         let bound = |name: &str| chosen.get(name).and_then(Schema::as_u64);
         let length = items.len() as u64;
         if bound("minItems").is_some_and(|n| length < n)
@@ -440,14 +436,10 @@ impl Shape<'_, '_> {
 
     fn string(
         &mut self,
-        alternatives: &[&'static Schema],
+        (schema, alternatives): (&'static Schema, &[&'static Schema]),
         text: &str,
-        value: &Spanned<DeValue<'_>>,
         key: &Key,
     ) -> Option<Value> {
-        let Some(schema) = accepts(alternatives, "string") else {
-            return self.wrong_type(alternatives, value, key);
-        };
         if !self.check_name(schema, text, key) {
             return None;
         }
@@ -467,16 +459,7 @@ impl Shape<'_, '_> {
         self.findings.refused(self.word, key, problem, remedy)
     }
 
-    fn number(
-        &mut self,
-        alternatives: &[&'static Schema],
-        number: f64,
-        value: &Spanned<DeValue<'_>>,
-        key: &Key,
-    ) -> Option<Value> {
-        let Some(schema) = accepts(alternatives, "number") else {
-            return self.wrong_type(alternatives, value, key);
-        };
+    fn number(&mut self, schema: &'static Schema, number: f64, key: &Key) -> Option<Value> {
         if !number.is_finite() {
             let problem = "the number is not finite";
             let remedy = "write a finite number";
@@ -513,24 +496,16 @@ impl Shape<'_, '_> {
     fn wrong_type(
         &mut self,
         alternatives: &[&'static Schema],
-        value: &Spanned<DeValue<'_>>,
+        (value, found): (&DeValue<'_>, &str),
         key: &Key,
     ) -> Option<Value> {
-        let found = match value.get_ref() {
-            DeValue::String(_) => "text",
-            DeValue::Integer(_) | DeValue::Float(_) => "a number",
-            DeValue::Boolean(_) => "true or false",
-            DeValue::Datetime(_) => "a date",
-            DeValue::Array(_) => "a list",
-            DeValue::Table(_) => "a table",
-        };
         let sections = alternatives.iter().any(|a| {
             type_of(a) == Some("array")
                 && a.get("items")
                     .is_some_and(|items| type_of(self.resolve(items)) == Some("object"))
         });
         let name = key.path.to_string();
-        let remedy = if sections && value.get_ref().is_table() {
+        let remedy = if sections && value.is_table() {
             format!("write [[{name}]] with two brackets: there may be several")
         } else {
             format!("write {}", self.expected(alternatives))
