@@ -2,7 +2,7 @@
 
 use crate::check::Check;
 use crate::file::{ModeFile, ModeParameter, PanelFile, SlopeFile, TankFile, Which};
-use crate::finding::{Key, all};
+use crate::finding::{Key, all, each};
 use crate::vehicle::{FlexibleMode, Mode, ModeEstimate, Model};
 use poinsot_dynamics::propagation::MOST_MODES;
 use poinsot_dynamics::{Composite, Kinematics, Vehicle, composite};
@@ -12,16 +12,10 @@ use std::f64::consts::TAU;
 
 impl Check<'_, '_> {
     pub fn modes(&mut self) -> Vec<FlexibleMode> {
-        let modes = all(&self.file.mode).iter();
-        let mut modes: Vec<FlexibleMode> = modes.filter_map(|own| self.mode(own)).collect();
-        for (k, own) in all(&self.file.panel).iter().enumerate() {
-            let key = Key::entry("panel", k, own.name.as_deref());
-            modes.extend(self.panel(own, &key));
-        }
-        for (k, own) in all(&self.file.tank).iter().enumerate() {
-            let key = Key::entry("tank", k, own.name.as_deref());
-            modes.extend(self.tank(own, &key).into_iter().flatten());
-        }
+        let mut modes = each(&self.file.mode, |_, own| self.mode(own));
+        modes.extend(each(&self.file.panel, |k, own| self.panel(k, own)));
+        let of_tanks = each(&self.file.tank, |k, own| self.tank(k, own));
+        modes.extend(of_tanks.into_iter().flatten());
         if modes.len() > MOST_MODES {
             let problem = format!("the file has {} modes", modes.len());
             let remedy = format!("keep to the {MOST_MODES} of the lowest frequencies");
@@ -49,7 +43,8 @@ impl Check<'_, '_> {
     }
 
     /// A panel that turns by `y / sqrt(I)` about its hinge, I its inertia there.
-    fn panel(&mut self, file: &PanelFile, key: &Key) -> Option<FlexibleMode> {
+    fn panel(&mut self, k: usize, file: &PanelFile) -> Option<FlexibleMode> {
+        let key = &Key::entry("panel", k, file.name.as_deref());
         let body = self.body_of(file.body.as_deref())?;
         let axis = self.axis(&file.axis?, &key.at("axis"), "axis")?;
         let (mass, stiffness) = (file.mass_kg?, file.stiffness_N_m_per_rad?);
@@ -82,7 +77,8 @@ impl Check<'_, '_> {
     }
 
     /// A mass that moves along some directions.
-    fn tank(&mut self, file: &TankFile, key: &Key) -> Option<Vec<FlexibleMode>> {
+    fn tank(&mut self, k: usize, file: &TankFile) -> Option<Vec<FlexibleMode>> {
+        let key = &Key::entry("tank", k, file.name.as_deref());
         let (name, body) = (file.name.as_ref()?, self.body_of(file.body.as_deref())?);
         let (at, mass) = (Vector3::from(file.position_m?), file.mass_kg?);
         let stiffness = file.stiffness_N_per_m?;
