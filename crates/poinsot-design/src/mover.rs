@@ -166,7 +166,7 @@ impl Mover {
     /// The motion that the free numbers give.
     pub fn command(&self, x: &[f64], duration: f64) -> Command {
         let value: Vec<f64> = x.iter().zip(&self.units).map(|(x, u)| x * u).collect();
-        let nodes = |count: usize| {
+        let nodes = |count: usize, of: fn(Vec<f64>, Vec<f64>) -> Command| {
             let step = duration / (count - 1) as f64;
             let time = (0..count).map(|k| k as f64 * step).collect();
             let inner = value.iter().map(|v| self.start + v);
@@ -174,7 +174,7 @@ impl Mover {
                 .chain(inner)
                 .chain(self.end)
                 .collect();
-            (time, values)
+            of(time, values)
         };
         match self.form {
             Form::Fourier { at_rest, .. } => {
@@ -200,14 +200,8 @@ impl Mover {
                     cosine,
                 })
             }
-            Form::Spline { nodes: n } => {
-                let (time, values) = nodes(n);
-                Command::Spline(time, values)
-            }
-            Form::Slews { slews } => {
-                let (time, values) = nodes(slews + 1);
-                Command::Slews(time, values)
-            }
+            Form::Spline { nodes: n } => nodes(n, Command::Spline),
+            Form::Slews { slews } => nodes(slews + 1, Command::Slews),
         }
     }
 
