@@ -96,13 +96,6 @@ pub(crate) struct Refused {
     pub remedy: String,
 }
 
-impl Refused {
-    /// The fault with the channel of its entry.
-    pub fn of(self, channel: &str) -> Faults {
-        map_of(self.code, channel, self.problem, self.remedy)
-    }
-}
-
 /// Refuses what the value of a key means: E0212.
 pub(crate) fn refuse<T>(
     key: &'static str,

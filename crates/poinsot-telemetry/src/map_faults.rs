@@ -1,14 +1,13 @@
 //! Checks of a map before any file is read.
 
 use crate::clock::check_time;
-use crate::error::{Refused, map_of, refuse, refuse_as};
+use crate::error::{Refused, refuse, refuse_as};
 use crate::map::{AttitudeForm, mark};
 use crate::unit::{list, nearest_unit};
 use crate::{
     AttitudeMap, ChannelName, ColumnMap, Dimension, FileMap, TelemetryMap, Unit, classify,
     parse_unit,
 };
-use poinsot_files::Faults;
 use std::collections::HashMap;
 
 /// A fault of a map, with its key.
@@ -30,12 +29,6 @@ pub struct MapFault {
     pub problem: String,
     /// What to do.
     pub remedy: String,
-}
-
-impl From<MapFault> for Faults {
-    fn from(fault: MapFault) -> Self {
-        map_of(fault.code, &fault.channel, fault.problem, fault.remedy)
-    }
 }
 
 /// All faults of a map.

@@ -3,7 +3,7 @@
 use crate::bytes::{check_unchanged, is_standard_input, open, unreadable};
 use crate::columns::Columns;
 use crate::content_hash::hashed;
-use crate::error::{no_match, no_rows};
+use crate::error::{map_of, no_match, no_rows};
 use crate::memory::Spooled;
 use crate::packing::unpacked_name;
 use crate::plan::{Plan, PlannedChannel};
@@ -66,7 +66,12 @@ pub fn read<P: AsRef<Path>>(paths: &[P], options: &ReadOptions) -> Result<Table,
 /// ```
 pub fn read_parts(parts: &[Part], options: &ReadOptions) -> Result<Table, Faults> {
     if let Some(fault) = map_faults(&options.map).into_iter().next() {
-        return Err(fault.into());
+        return Err(map_of(
+            fault.code,
+            &fault.channel,
+            fault.problem,
+            fault.remedy,
+        ));
     }
     let mut reading = Reading {
         options,
