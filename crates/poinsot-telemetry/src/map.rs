@@ -593,25 +593,15 @@ pub(crate) fn fits_path(pattern: &str, path: &Path) -> bool {
 
 /// Whether a name matches a pattern in which `*` matches any text.
 fn fits(pattern: &str, name: &str) -> bool {
-    let mut parts = pattern.split('*');
-    let first = parts.next().unwrap_or_default();
-    let Some(mut rest) = name.strip_prefix(first) else {
-        return false;
+    let Some((first, later)) = pattern.split_once('*') else {
+        return pattern == name;
     };
-    let mut parts = parts.peekable();
-    if parts.peek().is_none() {
-        return rest.is_empty();
-    }
-    while let Some(part) = parts.next() {
-        if parts.peek().is_none() {
-            return rest.ends_with(part);
-        }
-        match rest.find(part) {
-            Some(at) => rest = rest.get(at + part.len()..).unwrap_or_default(),
-            None => return false,
-        }
-    }
-    true
+    let (inner, last) = later.rsplit_once('*').unwrap_or(("", later));
+    let mut inner = inner.split('*');
+    let rest = name.strip_prefix(first);
+    let rest =
+        rest.and_then(|rest| inner.try_fold(rest, |rest, part| Some(rest.split_once(part)?.1)));
+    rest.is_some_and(|rest| rest.ends_with(last))
 }
 
 #[cfg(test)]
