@@ -37,25 +37,18 @@ pub fn address(name: &str, unit: &str) -> String {
         Some((quantity, last)) if COMPONENTS.contains(&last) => (quantity, Some(last)),
         _ => (what, None),
     };
-    let mut out = match owner {
+    let owner = match owner {
         "" => String::new(),
         owner => format!("{owner}."),
     };
     let known = MASS_PROPERTIES.iter().find(|(word, _)| *word == quantity);
-    match (known, unit) {
-        (Some((_, key)), _) => out.push_str(key),
-        (None, "" | "1") => out.push_str(quantity),
-        (None, unit) => {
-            out.push_str(quantity);
-            out.push('_');
-            out.push_str(&words_of(unit));
-        }
-    }
-    if let Some(component) = component {
-        out.push('.');
-        out.push_str(component);
-    }
-    out
+    let quantity = match (known, unit) {
+        (Some((_, key)), _) => (*key).to_owned(),
+        (None, "" | "1") => quantity.to_owned(),
+        (None, unit) => format!("{quantity}_{}", words_of(unit)),
+    };
+    let component = component.map_or(String::new(), |c| format!(".{c}"));
+    format!("{owner}{quantity}{component}")
 }
 
 /// A unit as the end of a key: `rad_s`, `N_m_per_rad`.
