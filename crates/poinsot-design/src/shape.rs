@@ -67,23 +67,22 @@ impl Space {
         limits: &Limits,
         (duration, rest): (f64, f64),
     ) -> Result<Self, (Target, String)> {
-        let mut movers = Vec::new();
-        let mut first = 0;
-        for moved in &design.joints {
-            let l = &limits.joints[moved.index];
-            let both = |x: f64| (-x, x);
+        let both = |x: f64| (-x, x);
+        let joints = design.joints.iter().map(|m| {
+            let l = &limits.joints[m.index];
             let bounds = [l.position, both(l.rate), both(l.acceleration)];
-            let target = Target::Joint(moved.index);
-            movers.push(Mover::new(target, moved, bounds, first, duration)?);
-            first += movers.last().map_or(0, |m| m.units.len());
-        }
-        let free = (f64::NEG_INFINITY, f64::INFINITY);
-        for moved in &design.wheels {
-            let speed = limits.wheels[moved.index].speed;
-            let bounds = [(-speed, speed), free, free];
-            let target = Target::Wheel(moved.index);
-            movers.push(Mover::new(target, moved, bounds, first, duration)?);
-            first += movers.last().map_or(0, |m| m.units.len());
+            (Target::Joint(m.index), m, bounds)
+        });
+        let wheels = design.wheels.iter().map(|m| {
+            let speed = both(limits.wheels[m.index].speed);
+            let free = both(f64::INFINITY);
+            (Target::Wheel(m.index), m, [speed, free, free])
+        });
+        let (mut movers, mut first) = (Vec::new(), 0);
+        for (target, moved, bounds) in joints.chain(wheels) {
+            let mover = Mover::new(target, moved, bounds, first, duration)?;
+            first += mover.units.len();
+            movers.push(mover);
         }
         let from = design.window.begin();
         let valves = Valves::new((design, limits), first, (from, from + duration))?;
