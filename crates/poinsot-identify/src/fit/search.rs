@@ -25,7 +25,7 @@ use crate::problem::ProblemError;
 use crate::problem::refusal::no_motion;
 use crate::problem::segment::Segment;
 use crate::problem::settings::Coordinates;
-use poinsot_solve::{LeastSquares, Linearised, Minimum, levenberg_marquardt};
+use poinsot_solve::{End, LeastSquares, Linearised, Minimum, levenberg_marquardt};
 
 /// Smallest reduction of the grid for a coarse fit.
 const WORTH: usize = 4;
@@ -377,7 +377,8 @@ fn tempered(
     loop {
         let here = part.linearise(&at)?;
         let end = levenberg_marquardt(part, at, here, limit);
-        if part.weight >= 1.0 {
+        // What leads nowhere while readings count little leads nowhere with all of them.
+        if part.weight >= 1.0 || end.end == End::TooSlow {
             return Some(end);
         }
         part.weight = (part.weight * HARDER).min(1.0);
