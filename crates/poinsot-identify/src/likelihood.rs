@@ -140,8 +140,6 @@ pub(crate) struct KeptRows {
     pub rows: Vec<KeptRow>,
     /// How the state at grid times moves with the start.
     pub transitions: Vec<Transition>,
-    /// Rows of the last measurements, with `ln det` of the noise of each three, until their sensor is known.
-    fresh: Vec<(Vec<f64>, f64)>,
 }
 
 impl KeptRows {
@@ -350,8 +348,8 @@ impl<'a> SegmentComparison<'a> {
     }
 
     /// A reading, sensitivities first and the residual last: the part predicted from earlier samples is subtracted; the
-    /// rest is whitened and added to the triangle. Gives the white residual; `None` for a sensor taken as exact, which
-    /// is left out.
+    /// rest is whitened, added to the triangle and kept where that is asked. `None` for a sensor taken as exact, which is left
+    /// out.
     ///
     /// `noise` is the covariance of what is new at this time.
     fn take(
@@ -360,12 +358,13 @@ impl<'a> SegmentComparison<'a> {
         slopes: &[Vector3],
         noise: &Matrix3,
         rows: &mut Vec<Vector3>,
-    ) -> Option<Vector3> {
+    ) -> Option<()> {
         let alone = self.cursors[i].own_root_det?;
+        let raw = *rows.last()?;
         let spread = self.inputs.correlate(slopes);
         let mut root = Cholesky::new(noise + spread)?.l();
         self.log_det += 2.0 * (root.diagonal().product() / alone).ln();
-        let residual = self.inputs.expected(slopes, *rows.last()?);
+        let residual = self.inputs.expected(slopes, raw);
         let white = root.solve_lower_triangular(&residual)?;
         // A smaller weight means more noise, in the filter too.
         let numbers = self.cursors[i].channel.numbers;
@@ -387,8 +386,13 @@ impl<'a> SegmentComparison<'a> {
             self.spare.give_back(std::mem::replace(rows, wide));
         }
         self.push(rows);
+        self.note(i, raw, white, rows);
+        Some(())
+    }
+
+    /// A reading that was taken: its residual, plain and white, and its whitened rows.
+    fn note(&mut self, i: usize, raw: Vector3, white: Vector3, rows: &[Vector3]) {
         if self.setting.keep_rows {
-            let log_det = self.segment.observations.sensors[i].log_det();
             // Room for what a diagnosis makes of the columns: a drift of every sensor.
             let room = rows.len() + 3 * self.cursors.len();
             let row = |i: usize| {
@@ -396,9 +400,19 @@ impl<'a> SegmentComparison<'a> {
                 row.extend(rows.iter().map(|r| r[i]));
                 row
             };
-            self.so_far.kept.fresh = (0..3).map(|i| (row(i), log_det)).collect();
+            self.so_far.kept.rows.push(KeptRow {
+                sensor: Some(i),
+                at: self.now,
+                raw,
+                white,
+                log_det: self.segment.observations.sensors[i].log_det(),
+                rows: (0..3).map(row).collect(),
+            });
         }
-        Some(white)
+        let channel = &mut self.cursors[i].channel;
+        channel.square += raw.norm_squared();
+        channel.white.push(white);
+        self.so_far.rows += channel.numbers;
     }
 
     /// Adds three rows to the triangle.
@@ -489,25 +503,6 @@ impl<'a> SegmentComparison<'a> {
                 white,
                 log_det: 0.0,
                 rows: (0..3).map(row).collect(),
-            });
-        }
-    }
-
-    fn note(&mut self, i: usize, residual: &Vector3, white: Vector3) {
-        let channel = &mut self.cursors[i].channel;
-        channel.square += residual.norm_squared();
-        channel.white.push(white);
-        self.so_far.rows += channel.numbers;
-        let fresh = &mut self.so_far.kept.fresh;
-        if fresh.len() >= 3 {
-            let log_det = fresh[0].1;
-            self.so_far.kept.rows.push(KeptRow {
-                sensor: Some(i),
-                at: self.now,
-                raw: *residual,
-                white,
-                log_det,
-                rows: fresh.drain(..3).map(|(row, _)| row).collect(),
             });
         }
     }

@@ -112,15 +112,11 @@ impl SegmentComparison<'_> {
     fn compare(&mut self, i: usize, due: DueSample) {
         let slow = self.inputs.slow_errors(i);
         let mut new = difference(&self.cursors[i], due, slow);
-        let residual = new.residual;
-        let mut rows = std::mem::take(&mut new.columns);
-        rows.push(residual);
+        new.columns.push(new.residual);
         let sensor = self.cursors[i].white;
-        let white = self.take(i, &new.errors, &sensor, &mut rows);
-        if let Some(white) = white {
-            self.note(i, &residual, white);
-        }
-        for list in [rows, new.errors] {
+        // A sensor taken as exact is left out.
+        let _ = self.take(i, &new.errors, &sensor, &mut new.columns);
+        for list in [new.columns, new.errors] {
             self.spare.give_back(list);
         }
     }
