@@ -19,7 +19,7 @@ use super::vehicle::{Thrust, Vehicle, parabola_slope, wheel_slope};
 use super::virtual_joints::{JOINT_STEP, moved_trees};
 use super::{Instant, Motion, State};
 use crate::problem::parameters::UnknownKind;
-use nalgebra::SMatrix;
+use nalgebra::{Matrix4, SMatrix, Vector4};
 use poinsot_dynamics::{
     Accelerations, Kinematics, Tree, Twist, composite, momentum_rate_column, wheel_rate,
 };
@@ -516,35 +516,17 @@ fn joint_acceleration(
     // q(h) = q + q' h + h^2 (a + b h + c h^2 + e h^3): eliminate e, then c and b from both sides.
     let (h1, u1, w1) = row(k - 1);
     let (h2, u2, w2) = row(k + 1);
+    let powers = |h: f64| [1.0, h, h * h, h.powi(3)];
     // Each side gives u = a + b h + c h^2 + e h^3 and w = 2 a + 3 b h + 4 c h^2 + 5 e h^3.
-    let system = nalgebra::Matrix4::new(
-        1.0,
-        h1,
-        h1 * h1,
-        h1.powi(3),
-        2.0,
-        3.0 * h1,
-        4.0 * h1 * h1,
-        5.0 * h1.powi(3),
-        1.0,
-        h2,
-        h2 * h2,
-        h2.powi(3),
-        2.0,
-        3.0 * h2,
-        4.0 * h2 * h2,
-        5.0 * h2.powi(3),
-    );
-    let scale = 0.5 * (h2 - h1);
-    let columns = nalgebra::Matrix4::from_diagonal(&nalgebra::Vector4::new(
-        1.0,
-        1.0 / scale,
-        1.0 / (scale * scale),
-        1.0 / scale.powi(3),
-    ));
-    (system * columns)
+    let sides = [h1, h2].map(powers);
+    let system = Matrix4::from_fn(|i, j| match i % 2 {
+        0 => sides[i / 2][j],
+        _ => (j + 2) as f64 * sides[i / 2][j],
+    });
+    let scale = Vector4::from(powers(0.5 * (h2 - h1)).map(f64::recip));
+    (system * Matrix4::from_diagonal(&scale))
         .lu()
-        .solve(&nalgebra::Vector4::new(u1, w1, u2, w2))
+        .solve(&Vector4::new(u1, w1, u2, w2))
         .map_or_else(|| parabola_slope(t, rate, k), |x| 2.0 * x[0])
 }
 
