@@ -471,31 +471,36 @@ impl<'a> Motion<'a> {
         forces.map(|f| f.F_B).sum()
     }
 
-    /// Thrusters with their arms from the system's mass centre.
-    fn forces(&self, thrust: &[Thrust], centre: &MassCentre) -> impl Iterator<Item = Force> {
-        let kinematics = &self.input_state.kinematics;
-        thrust.iter().map(|now| {
-            let (at, declared) = (now.thruster, now.force);
-            let thruster = &self.vehicle.thrusters[at];
-            let R_BT = &kinematics.R[thruster.body];
-            let p_BoT_B = kinematics.p[thruster.body] + R_BT * thruster.p_BoT_B;
-            let thrust = declared * self.vehicle.thrust_factor[at];
-            Force {
-                thruster: at,
-                firing: (self.vehicle.segment, now.firing),
-                R_BT: *R_BT,
-                thrust,
-                declared,
-                direction_T: thruster.direction_B,
-                F_B: R_BT * thruster.direction_B * thrust,
-                arm_B: p_BoT_B - centre.p_BoScm_B,
-            }
-        })
+    /// A thruster at a placement, with its arm from a point.
+    fn force(&self, now: &Thrust, kinematics: &Kinematics, from_B: &Vector3) -> Force {
+        let (at, declared) = (now.thruster, now.force);
+        let thruster = &self.vehicle.thrusters[at];
+        let R_BT = &kinematics.R[thruster.body];
+        let p_BoT_B = kinematics.p[thruster.body] + R_BT * thruster.p_BoT_B;
+        let thrust = declared * self.vehicle.thrust_factor[at];
+        Force {
+            thruster: at,
+            firing: (self.vehicle.segment, now.firing),
+            R_BT: *R_BT,
+            thrust,
+            declared,
+            direction_T: thruster.direction_B,
+            F_B: R_BT * thruster.direction_B * thrust,
+            arm_B: p_BoT_B - from_B,
+        }
+    }
+
+    /// Thrusters at the inputs in hand with their arms from the system's mass centre.
+    fn forces(&self, thrust: &[Thrust], instant: &Instant) -> impl Iterator<Item = Force> {
+        let (placed, centre) = (&self.input_state.kinematics, instant.centre.p_BoScm_B);
+        thrust
+            .iter()
+            .map(move |now| self.force(now, placed, &centre))
     }
 
     /// Those that fire in the interval after grid time k.
     fn thrust_now(&self, instant: &Instant, k: usize) -> impl Iterator<Item = Force> {
-        self.forces(self.thrust.at(k), &instant.centre)
+        self.forces(self.thrust.at(k), instant)
     }
 
     /// Change of the base twist per unit of a wheel's speed at the instant given: `-H^-1 [0; Js a]`.
@@ -507,7 +512,7 @@ impl<'a> Motion<'a> {
     }
 }
 
-/// One thruster at one instant, in B; the arm is from the system's mass centre.
+/// One thruster at one instant, in B.
 struct Force {
     thruster: usize,
     /// Segment, and firing in it.

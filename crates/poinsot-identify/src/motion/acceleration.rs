@@ -13,7 +13,6 @@
 
 mod input_errors;
 
-use super::inputs::thruster_at;
 use super::joint_scales::rate_parts;
 use super::vehicle::{Thrust, Vehicle, parabola_slope, wheel_slope};
 use super::virtual_joints::{JOINT_STEP, moved_trees};
@@ -280,7 +279,7 @@ impl Motion<'_> {
     fn wrench(&self, state: &State, thrust: &[Thrust], instant: &Instant) -> Vector6 {
         let mut force = Vector3::zeros();
         let mut torque = self.environment_torque(state, &instant.twist.w, &instant.centre);
-        for f in self.forces(thrust, &instant.centre) {
+        for f in self.forces(thrust, instant) {
             force += f.F_B;
             torque += (f.arm_B + instant.centre.p_BoScm_B).cross(&f.F_B);
         }
@@ -366,7 +365,7 @@ impl Motion<'_> {
         );
         let mut wrench = stack(&Vector3::zeros(), &torque);
         if let Some(kind) = kind.filter(|k| k.thruster().is_some()) {
-            for f in self.forces(&inputs.thrust, &instant.centre) {
+            for f in self.forces(&inputs.thrust, instant) {
                 let (dF, dT) = f.change(kind);
                 wrench += stack(&dF, &(dT + instant.centre.p_BoScm_B.cross(&dF)));
             }
@@ -482,9 +481,8 @@ impl Motion<'_> {
         let torque = self.environment_torque(state, &instant.twist.w, &there);
         let mut sum = stack(&Vector3::zeros(), &torque);
         for thrust in &inputs.thrust {
-            let origin = Vector3::zeros();
-            let (F, arm) = thruster_at(self.vehicle, kinematics, thrust, &origin);
-            sum += stack(&F, &arm.cross(&F));
+            let force = self.force(thrust, kinematics, &Vector3::zeros());
+            sum += stack(&force.F_B, &force.arm_B.cross(&force.F_B));
         }
         sum
     }

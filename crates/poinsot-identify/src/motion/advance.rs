@@ -135,16 +135,10 @@ impl Motion<'_> {
     }
 
     fn rate(&self, state: &State, instant: &Instant, k: usize) -> FlexibleRate {
-        let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
-        if self.has_external_wrench(k) {
-            torque = self.environment_torque(state, &instant.twist.w, &instant.centre);
-            for thrust in self.thrust_now(instant, k) {
-                force += thrust.F_B;
-                torque += thrust.arm_B.cross(&thrust.F_B);
-            }
-            let (l_out, h_out) = self.momentum_loss(instant, k);
-            (force, torque) = (force - l_out, torque - h_out);
-        }
+        let (force, torque) = match self.has_external_wrench(k) {
+            true => self.external_wrench(state, instant, k),
+            false => (Vector3::zeros(), Vector3::zeros()),
+        };
         let flexible = self.input_state.flexible.as_ref();
         FlexibleRate {
             rigid: PoseMomentumRate::new(state, &instant.twist, (&force, &torque)),

@@ -6,7 +6,7 @@
 //! T = T_B - c |w| w + R^T T_N + (3 gm / r^3) u x (I u)
 //! ```
 
-use super::{MassCentre, Motion, State, cubic};
+use super::{Instant, MassCentre, Motion, State, cubic};
 use crate::problem::parameters::{GRADIENT, UnknownKind};
 use crate::problem::quantity::unit;
 use crate::problem::segment::Observations;
@@ -65,6 +65,24 @@ impl Motion<'_> {
     fn in_environment(&self) -> bool {
         let v = self.vehicle;
         v.has_environment_torque() || v.torque_N != Vector3::zeros()
+    }
+
+    /// Force from outside in the interval after grid time k and its torque about the system's mass centre, in B, less the momentum
+    /// that leaves.
+    pub(super) fn external_wrench(
+        &self,
+        state: &State,
+        instant: &Instant,
+        k: usize,
+    ) -> (Vector3, Vector3) {
+        let mut force = Vector3::zeros();
+        let mut torque = self.environment_torque(state, &instant.twist.w, &instant.centre);
+        for thrust in self.thrust_now(instant, k) {
+            force += thrust.F_B;
+            torque += thrust.arm_B.cross(&thrust.F_B);
+        }
+        let (l_out, h_out) = self.momentum_loss(instant, k);
+        (force - l_out, torque - h_out)
     }
 
     /// External torque about the system's mass centre, in B, N m.
@@ -178,17 +196,11 @@ impl Motion<'_> {
         for (unknown, thrusters, lag) in late {
             let mut jump = (Vector3::zeros(), Vector3::zeros());
             for (interval, sign) in [(before, 1.0), (k, -1.0)] {
-                for thrust in self.thrust.at(interval) {
-                    if thrusters.contains(&thrust.thruster) {
-                        let (F, arm) = super::inputs::thruster_at(
-                            self.vehicle,
-                            &self.input_state.kinematics,
-                            thrust,
-                            &c,
-                        );
-                        jump.0 += R * F * sign;
-                        jump.1 += R * arm.cross(&F) * sign;
-                    }
+                let thrust = self.thrust.at(interval).iter();
+                for thrust in thrust.filter(|t| thrusters.contains(&t.thruster)) {
+                    let force = self.force(thrust, &self.input_state.kinematics, &c);
+                    jump.0 += R * force.F_B * sign;
+                    jump.1 += R * force.arm_B.cross(&force.F_B) * sign;
                 }
             }
             now.P += jump.0 * *lag;

@@ -35,13 +35,7 @@ impl Motion<'_> {
     ) -> Matrix6x12 {
         let R = matrix(&state.R_NB);
         let (w, centre) = (instant.twist.w, &instant.centre);
-        let (mut F, mut T) = (Vector3::zeros(), self.environment_torque(state, &w, centre));
-        for force in self.thrust_now(instant, k) {
-            F += force.F_B;
-            T += force.arm_B.cross(&force.F_B);
-        }
-        let loss = self.momentum_loss(instant, k);
-        (F, T) = (F - loss.0, T - loss.1);
+        let (F, T) = self.external_wrench(state, instant, k);
         // Force and torque turn with the base; what else they follow is added.
         let mut slopes = StateRows::of_wrench(state, &F, &T).matrix();
         if !self.follows_motion(k) {

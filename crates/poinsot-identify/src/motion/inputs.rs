@@ -1,11 +1,10 @@
 //! Corrected joint and wheel motion, and the effect of the sensor errors.
 
 use super::joint_scales::{cubic, rate_parts};
-use super::vehicle::{InputFault, Thrust, Vehicle, wheel_slope};
+use super::vehicle::{InputFault, Vehicle, wheel_slope};
 use super::{EvaluatedState, InputState, Instant, Motion, State, matrix, pose_change};
 use crate::problem::parameters::UnknownKind;
 use crate::problem::segment::Observations;
-use poinsot_dynamics::Kinematics;
 use poinsot_spatial::{Vector3, Vector6};
 use std::sync::Arc;
 
@@ -271,19 +270,6 @@ fn play_between(o: &Observations, play: &[f64], joint: usize, (k, at): (usize, f
     let change = play[(k + 1) * dof + joint] - a;
     let rate = change * 6.0 * at * (1.0 - at) / (next - t[k]);
     (a + change * at * at * (3.0 - 2.0 * at), rate)
-}
-
-/// Force of a thruster at a placement, and its arm from the point c, in B.
-pub(super) fn thruster_at(
-    vehicle: &Vehicle,
-    kinematics: &Kinematics,
-    thrust: &Thrust,
-    c: &Vector3,
-) -> (Vector3, Vector3) {
-    let thruster = &vehicle.thrusters[thrust.thruster];
-    let (R, p) = (&kinematics.R[thruster.body], &kinematics.p[thruster.body]);
-    let F = R * thruster.direction_B * (thrust.force * vehicle.thrust_factor[thrust.thruster]);
-    (F, p + R * thruster.p_BoT_B - c)
 }
 
 /// Time at a share of the interval after grid time k; both intervals that share a grid time see the same.

@@ -180,9 +180,14 @@ impl Motion<'_> {
 
     /// Momentum that leaves in the interval after grid time k, per second in B: linear, and angular about the mass centre.
     pub(super) fn momentum_loss(&self, instant: &Instant, k: usize) -> (Vector3, Vector3) {
+        self.leaving(k, |part| self.leaves(part, instant))
+    }
+
+    /// Sum of what leaves, of which a part takes so much per impulse.
+    fn leaving(&self, k: usize, takes: impl Fn(&Part) -> Leaving) -> (Vector3, Vector3) {
         let mut sum = (Vector3::zeros(), Vector3::zeros());
         for (force, part) in self.flows(k) {
-            let out = self.leaves(&part, instant);
+            let out = takes(&part);
             sum.0 += out.l_B * force;
             sum.1 += out.h_Scm_B * force;
         }
@@ -197,13 +202,8 @@ impl Motion<'_> {
         (twist, dl_B): (&Vector6, &Vector3),
     ) -> (Vector3, Vector3) {
         let centre = &instant.centre;
-        let mut sum = (Vector3::zeros(), Vector3::zeros());
-        for (force, part) in self.flows(k) {
-            let out = self.takes(&part, twist, (&centre.p_BoScm_B, &(dl_B / centre.mass)));
-            sum.0 += out.l_B * force;
-            sum.1 += out.h_Scm_B * force;
-        }
-        sum
+        let system = (&centre.p_BoScm_B, &(dl_B / centre.mass));
+        self.leaving(k, |part| self.takes(part, twist, system))
     }
 
     /// Its change with one unknown, the state held: by the twist, by the mass centre and mass, and by another use of propellant.
