@@ -103,6 +103,23 @@ impl Memory {
     }
 }
 
+/// An error of an input.
+struct NoisyInput {
+    of: Input,
+    /// Variance of the error; a process has its own.
+    variance: f64,
+    memory: Memory,
+    /// Share of the error in its input at every grid time; one where the list is empty.
+    shares: Vec<f64>,
+}
+
+impl NoisyInput {
+    /// Share at grid time k.
+    fn share(&self, k: usize) -> f64 {
+        self.shares.get(k).copied().unwrap_or(1.0)
+    }
+}
+
 /// The equation of motion around the prediction at one grid time.
 #[derive(Default)]
 struct DynamicsJacobian {
@@ -148,10 +165,7 @@ pub(crate) struct FilterSetting<'a> {
 pub(crate) struct InputNoise {
     random_torque: Option<RandomTorque>,
     step: Option<random_torque::Step>,
-    inputs: Vec<(Input, f64)>,
-    memory: Vec<Memory>,
-    /// Share of each error in its input at every grid time; one where the list is empty.
-    shares: Vec<Vec<f64>>,
+    inputs: Vec<NoisyInput>,
     /// As in [`Observations::expected_errors`].
     expected: Vec<f64>,
     /// Components of `s` that inputs can reach.
@@ -174,11 +188,16 @@ pub(crate) struct InputNoise {
     filter: Filter,
 }
 
-/// The errors of an input, each with what it belongs to and its shares in it: two of readings where it is interpolated, value
-/// and slope where it is a process.
-fn separate(input: Input, channel: &InputChannel) -> Vec<(Input, Memory, Vec<f64>)> {
-    let places = match channel.errors.clone() {
-        InputErrors::Interpolated(places) => places,
+/// The errors of an input: two of readings where it is interpolated, value and slope where it is a process, none where it has no
+/// noise.
+fn errors_of(input: Input, variance: f64, channel: &InputChannel) -> Vec<NoisyInput> {
+    let error = |of: Input, memory: Memory, shares: Vec<f64>| NoisyInput {
+        of,
+        variance,
+        memory,
+        shares,
+    };
+    match channel.errors.clone() {
         InputErrors::Process(process) => {
             let slopes = match input {
                 Input::Joint(joint) => vec![Input::Rate(joint), Input::Acceleration(joint)],
@@ -186,40 +205,23 @@ fn separate(input: Input, channel: &InputChannel) -> Vec<(Input, Memory, Vec<f64
                 _ => vec![Input::Step; 2],
             };
             let slopes = slopes.into_iter().take(process.width() - 1);
-            let slopes = slopes.map(|slope| (slope, Memory::Follows, Vec::new()));
-            let value = (input, Memory::Process(process), Vec::new());
-            return std::iter::once(value).chain(slopes).collect();
+            let slopes = slopes.map(|slope| error(slope, Memory::Follows, Vec::new()));
+            let value = error(input, Memory::Process(process), Vec::new());
+            std::iter::once(value).chain(slopes).collect()
         }
-        errors => return vec![(input, Memory::Alone(errors), Vec::new())],
-    };
-    let of = |slot: usize| {
-        let held: Vec<(usize, f64)> = places.iter().map(|p| p.slot(slot)).collect();
-        let stays = |w: &[(usize, f64)]| f64::from(u8::from(w[0].0 == w[1].0));
-        let mut memory: Vec<f64> = held.windows(2).map(stays).collect();
-        memory.push(0.0);
-        let shares = held.into_iter().map(|h| h.1).collect();
-        (input, Memory::Alone(InputErrors::Kept(memory)), shares)
-    };
-    vec![of(0), of(1)]
-}
-
-/// The inputs with noise, how their errors go on, and their shares.
-type NoisyInputs = (Vec<(Input, f64)>, Vec<Memory>, Vec<Vec<f64>>);
-
-fn noisy<'a>(all: impl Iterator<Item = (Input, f64, &'a InputChannel)>) -> NoisyInputs {
-    let (mut inputs, mut memory, mut shares) = NoisyInputs::default();
-    for (input, variance, channel) in all {
-        // A process has variances of its own.
-        let has_own = matches!(channel.errors, InputErrors::Process(_));
-        if has_own || variance > 0.0 && channel.errors != InputErrors::None {
-            for (input, errors, share) in separate(input, channel) {
-                inputs.push((input, variance));
-                memory.push(errors);
-                shares.push(share);
-            }
+        InputErrors::Interpolated(places) if variance > 0.0 => Vec::from([0, 1].map(|slot| {
+            let held: Vec<(usize, f64)> = places.iter().map(|p| p.slot(slot)).collect();
+            let stays = |w: &[(usize, f64)]| f64::from(u8::from(w[0].0 == w[1].0));
+            let mut memory: Vec<f64> = held.windows(2).map(stays).collect();
+            memory.push(0.0);
+            let shares = held.into_iter().map(|h| h.1).collect();
+            error(input, Memory::Alone(InputErrors::Kept(memory)), shares)
+        })),
+        errors if variance > 0.0 && errors != InputErrors::None => {
+            vec![error(input, Memory::Alone(errors), Vec::new())]
         }
+        _ => Vec::new(),
     }
-    (inputs, memory, shares)
 }
 
 impl InputNoise {
@@ -230,9 +232,9 @@ impl InputNoise {
         let translation = o.reads_translation() || increments > 0;
         let joints = noise.joint_position.iter().enumerate();
         let wheels = noise.wheel_speed.iter().enumerate();
-        let joints = joints.map(|(k, v)| (Input::Joint(k), *v, o.joint(k)));
-        let wheels = wheels.map(|(k, v)| (Input::Wheel(k), *v, o.wheel(k)));
-        let (inputs, memory, shares) = noisy(joints.chain(wheels));
+        let joints = joints.flat_map(|(k, v)| errors_of(Input::Joint(k), *v, o.joint(k)));
+        let wheels = wheels.flat_map(|(k, v)| errors_of(Input::Wheel(k), *v, o.wheel(k)));
+        let inputs: Vec<NoisyInput> = joints.chain(wheels).collect();
         let torque = of.random_torque.is_some();
         let lasting: usize = o.sensors.iter().map(|r| r.slow.len()).sum();
         let still = inputs.is_empty() && !torque;
@@ -248,8 +250,8 @@ impl InputNoise {
             active.extend(STATE..STATE + 2 * of.internal);
         }
         // The slope of a wheel's speed is that of speeds about it, where it has none of its own.
-        let turns = inputs.iter().any(|(input, _)| match input {
-            Input::Wheel(w) => o.wheel(*w).acceleration.is_empty(),
+        let turns = inputs.iter().any(|input| match input.of {
+            Input::Wheel(w) => o.wheel(w).acceleration.is_empty(),
             _ => false,
         });
         let reach = usize::from(turns && o.reads(SensorKind::Accelerometer));
@@ -276,8 +278,6 @@ impl InputNoise {
             twists: vec![Vector6::zeros(); size],
             rate_gain: vec![Vector6::zeros(); noise.joint_rate.len()],
             inputs,
-            memory,
-            shares,
             active,
             ..Self::default()
         }
@@ -285,7 +285,7 @@ impl InputNoise {
 
     /// Expected value of what is new in an error after grid time k.
     fn newly_expected(&self, input: usize, k: usize) -> f64 {
-        let stays = self.memory[input].alone(k) * self.expected_error(input, k);
+        let stays = self.inputs[input].memory.alone(k) * self.expected_error(input, k);
         self.expected_error(input, k + 1) - stays
     }
 
@@ -326,25 +326,20 @@ impl InputNoise {
         }
         o.expected_errors.resize(errors.len(), 0.0);
         let (dof, wheels) = (o.joint_position.len() / times, o.wheel_speed.len() / times);
-        for (c, (input, _)) in self.inputs.iter().enumerate() {
-            if !matches!(self.memory[c], Memory::Alone(_)) {
+        for (c, input) in self.inputs.iter().enumerate() {
+            if !matches!(input.memory, Memory::Alone(_)) {
                 continue;
             }
             for k in 0..times {
                 let error = errors[k * width + c];
                 o.expected_errors[k * width + c] -= error;
-                match *input {
+                match input.of {
                     Input::Joint(j) => o.joint_position[k * dof + j] += error,
-                    Input::Wheel(w) => o.wheel_speed[k * wheels + w] += error * self.share(c, k),
+                    Input::Wheel(w) => o.wheel_speed[k * wheels + w] += error * input.share(k),
                     Input::Rate(_) | Input::Acceleration(_) | Input::Slope(_) | Input::Step => {}
                 }
             }
         }
-    }
-
-    /// Share of an error in its input at grid time k.
-    fn share(&self, input: usize, k: usize) -> f64 {
-        self.shares[input].get(k).copied().unwrap_or(1.0)
     }
 
     /// Whether it is idle: no input noise and no random torque.
@@ -406,7 +401,7 @@ impl InputNoise {
             };
         }
         for (c, at_once) in now.at_once.iter().enumerate() {
-            if !matches!(self.inputs[c].0, Input::Joint(_)) {
+            if !matches!(self.inputs[c].of, Input::Joint(_)) {
                 continue;
             }
             let at = self.place(c, 0);
@@ -437,21 +432,21 @@ impl InputNoise {
         at_once.clear();
         drive.clear();
         push.1.clear();
-        for (c, (input, _)) in self.inputs.iter().enumerate() {
+        for (c, input) in self.inputs.iter().enumerate() {
             let at = (state, instant);
-            let (position, rate) = match input {
+            let (position, rate) = match input.of {
                 Input::Joint(j) => {
-                    let slope = &self.slopes.of[*j];
+                    let slope = &self.slopes.of[j];
                     let dc = slope.first_moment / instant.centre.mass;
                     let change = instant.twist_slope(&slope.position, &dc);
-                    let rate = &self.rate_gain[*j];
+                    let rate = &self.rate_gain[j];
                     (
-                        motion.followed(at, &change, Some((*j, [1.0, 0.0]))),
-                        motion.followed(at, rate, Some((*j, [0.0, 1.0]))),
+                        motion.followed(at, &change, Some((j, [1.0, 0.0]))),
+                        motion.followed(at, rate, Some((j, [0.0, 1.0]))),
                     )
                 }
                 Input::Wheel(w) => {
-                    let gain = motion.wheel_gain(instant, *w) * self.share(c, k);
+                    let gain = motion.wheel_gain(instant, w) * input.share(k);
                     let none = FlexibleChange::of_twist(Vector6::zeros());
                     (motion.followed(at, &gain, None), none)
                 }
@@ -464,9 +459,9 @@ impl InputNoise {
                     // Positions alone drive: an interval's mean rate is that of its ends.
                     at_once.push(Column::zeros());
                     drive.push(Column::zeros());
-                    if let Input::Rate(j) = input {
+                    if let Input::Rate(j) = input.of {
                         let at = self.place(c, 0);
-                        self.twists[at] = self.rate_gain[*j];
+                        self.twists[at] = self.rate_gain[j];
                     }
                     continue;
                 }
@@ -509,13 +504,13 @@ impl InputNoise {
         (slopes, drives): &mut (Matrix6x12, Vec<Vector6>),
     ) {
         let R = matrix(&state.R_NB);
-        drives.extend(self.inputs.iter().enumerate().map(|(c, (input, _))| {
+        drives.extend(self.inputs.iter().enumerate().map(|(c, input)| {
             let (mut dF, mut dT) = (Vector3::zeros(), Vector3::zeros());
-            if let Input::Joint(j) = input {
-                let first_moment = &self.slopes.of[*j].first_moment;
-                (dF, dT) = motion.wrench_change(state, instant, k, *j, first_moment);
+            if let Input::Joint(j) = input.of {
+                let first_moment = &self.slopes.of[j].first_moment;
+                (dF, dT) = motion.wrench_change(state, instant, k, j, first_moment);
             }
-            if matches!(input, Input::Joint(_) | Input::Wheel(_)) {
+            if matches!(input.of, Input::Joint(_) | Input::Wheel(_)) {
                 let dw = self.twists[self.place(c, 0)].fixed_rows::<3>(3).into();
                 dT += motion.drag_change(state, instant, &dw);
             }
@@ -531,25 +526,25 @@ impl InputNoise {
             let variance = torque.sigma_N_m * torque.sigma_N_m;
             (0..3).for_each(|axis| self.filter.add((at + axis, at + axis), variance));
         }
-        for (c, (_, variance)) in self.inputs.iter().enumerate() {
-            if !matches!(self.memory[c], Memory::Alone(_)) {
+        for (c, input) in self.inputs.iter().enumerate() {
+            let Memory::Alone(errors) = &input.memory else {
                 continue;
-            }
+            };
             let mut vector = vec![0.0; self.filter.size];
             for (x, &row) in vector.iter_mut().zip(&self.active) {
                 *x = -now.at_once[c].get(row).copied().unwrap_or_default();
             }
-            let mut fresh = *variance;
+            let mut fresh = input.variance;
             // Each later error is the correlated part of the previous one plus an innovation.
             for first in 0..=self.reach {
                 let mut share = 1.0;
                 for after in first..=self.reach {
                     vector[self.place(c, after as isize)] = share;
-                    share *= self.memory[c].alone(after);
+                    share *= errors.memory(after);
                 }
                 self.filter.add_outer(&vector, fresh);
                 vector.fill(0.0);
-                fresh = variance * (1.0 - self.memory[c].alone(first).powi(2));
+                fresh = input.variance * (1.0 - errors.memory(first).powi(2));
             }
             for (i, &row) in self.active.iter().enumerate() {
                 let at_once = now.at_once[c].get(row).copied().unwrap_or_default();
@@ -564,8 +559,8 @@ impl InputNoise {
 
     /// The same of errors that go on together.
     fn begin_processes(&mut self, now: &DynamicsJacobian) {
-        let pairs = self.memory.iter().enumerate();
-        for (c, process) in pairs.filter_map(|(c, m)| Some((c, m.process()?))) {
+        let pairs = self.inputs.iter().enumerate();
+        for (c, process) in pairs.filter_map(|(c, input)| Some((c, input.memory.process()?))) {
             let mut fresh = process.initial_root();
             for first in 0..=self.reach {
                 for mut error in fresh.into_iter().filter(|e| *e != Errors::zeros()) {
@@ -593,9 +588,9 @@ impl InputNoise {
 
     /// Rows by which the errors of the inputs go on from grid time k, from `at` grid times after the one in hand.
     fn memory_rows(&self, rows: &mut SparseRows, k: usize, at: isize) {
-        for (c, memory) in self.memory.iter().enumerate() {
+        for (c, input) in self.inputs.iter().enumerate() {
             let here = self.place(c, at);
-            match memory {
+            match &input.memory {
                 Memory::Alone(errors) => rows.push([(here, errors.memory(k))]),
                 Memory::Follows => {}
                 Memory::Process(process) => {
@@ -643,9 +638,9 @@ impl InputNoise {
             Some(_) => self.swinging_rows(&A, h, &mut upper),
         }
         self.torque_rows(&A, h, &mut upper, &mut torque);
-        for (c, memory) in self.memory.iter().enumerate() {
-            let slope = matches!(self.inputs[c].0, Input::Slope(_));
-            if matches!(memory, Memory::Follows) && !slope {
+        for (c, input) in self.inputs.iter().enumerate() {
+            let slope = matches!(input.of, Input::Slope(_));
+            if matches!(input.memory, Memory::Follows) && !slope {
                 let reached = if ahead { 0 } else { self.active.len() };
                 fresh.resize(fresh.len() + reached, 0.0);
                 continue;
@@ -668,8 +663,9 @@ impl InputNoise {
             });
             let here = self.place(c, 0);
             let from = self.place(first, 0);
-            let process = self.memory[first].process().and_then(|p| p.step(k - 1));
-            let alone = [memory.alone(k - 1), 0.0, 0.0];
+            let process = self.inputs[first].memory.process();
+            let process = process.and_then(|p| p.step(k - 1));
+            let alone = [input.memory.alone(k - 1), 0.0, 0.0];
             let kept = process.map_or(alone, |s| [0, 1, 2].map(|j| s.memory[(own, j)]));
             for (i, &row) in self.active.iter().enumerate() {
                 upper[i * stride + here] += ends[0](row);
@@ -769,12 +765,13 @@ impl InputNoise {
     /// time.
     fn innovate(&mut self, fresh: &[f64], h: f64, k: usize) {
         let reached = self.active.len();
-        for (c, (_, variance)) in self.inputs.iter().enumerate() {
+        for (c, input) in self.inputs.iter().enumerate() {
             let own = self.place(c, self.reach as isize);
-            let slope = matches!(self.inputs.get(c + 1), Some((Input::Slope(_), _)));
+            let next = self.inputs.get(c + 1);
+            let slope = next.is_some_and(|next| matches!(next.of, Input::Slope(_)));
             let of = |count: usize| fresh.get(c * reached..(c + count) * reached);
             let at_once = of(1 + usize::from(slope)).unwrap_or(&[]);
-            let (width, new, within) = match &self.memory[c] {
+            let (width, new, within) = match &input.memory {
                 Memory::Follows => continue,
                 Memory::Process(process) => {
                     let step = process.step(k);
@@ -783,7 +780,7 @@ impl InputNoise {
                     (process.width(), new, within * 4.0 / (h * h))
                 }
                 Memory::Alone(errors) => {
-                    let new = variance * (1.0 - errors.memory(k).powi(2));
+                    let new = input.variance * (1.0 - errors.memory(k).powi(2));
                     let expected = self.newly_expected(c, k);
                     if expected != 0.0 {
                         let reaches = at_once.iter().enumerate();

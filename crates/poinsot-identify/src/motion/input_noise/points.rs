@@ -44,20 +44,20 @@ impl InputNoise {
         let mut around = motion.force_around((state, k), instant, point);
         let pairs = self.columns.iter().zip(&self.twists);
         slopes.extend(pairs.map(|(x, twist)| around.state(x, twist)));
-        for (c, (input, _)) in self.inputs.iter().enumerate() {
+        for (c, input) in self.inputs.iter().enumerate() {
             let here = self.place(c, 0);
-            match *input {
+            match input.of {
                 Input::Joint(j) => slopes[here] += around.input(Moved::Position(j)),
                 Input::Step => {}
                 Input::Slope(j) => slopes[here] += around.input(Moved::WheelRate(j)),
                 Input::Rate(j) => slopes[here] += around.input(Moved::Rate(j)),
                 Input::Acceleration(j) => slopes[here] += around.input(Moved::Acceleration(j)),
                 Input::Wheel(j) => {
-                    slopes[here] += around.input(Moved::Wheel(j)) * self.share(c, k);
+                    slopes[here] += around.input(Moved::Wheel(j)) * input.share(k);
                     let acceleration = around.input(Moved::WheelRate(j));
                     for (i, w) in around.wheel_weights(j) {
                         let after = i as isize - k as isize;
-                        slopes[self.place(c, after)] += acceleration * (w * self.share(c, i));
+                        slopes[self.place(c, after)] += acceleration * (w * input.share(i));
                     }
                 }
             }
@@ -71,7 +71,7 @@ impl InputNoise {
     /// rate.
     pub fn at_once(&self) -> impl Iterator<Item = (usize, usize, f64, f64)> + '_ {
         let inputs = self.inputs.iter().enumerate();
-        inputs.filter_map(|(c, (input, _))| match *input {
+        inputs.filter_map(|(c, input)| match input.of {
             Input::Joint(j) => Some((self.place(c, 0), j, 1.0, 0.0)),
             Input::Rate(j) => Some((self.place(c, 0), j, 0.0, 1.0)),
             Input::Wheel(_) | Input::Acceleration(_) | Input::Slope(_) | Input::Step => None,
