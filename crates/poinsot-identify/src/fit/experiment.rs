@@ -11,7 +11,7 @@ pub(crate) use known_columns::{
     DIFFERENCE, MovedVehicle, body_slopes, known_columns_last, slopes, twin,
 };
 
-use crate::fit::triangle::SharedTriangle;
+use crate::fit::triangle::{SharedTriangle, longest_column};
 use crate::likelihood::{
     Evaluated, InitialState, InitialStateColumns, KnownColumns, MeasuredMotion, Setting, evaluate,
 };
@@ -25,7 +25,6 @@ use crate::problem::refusal::not_finite;
 use crate::problem::segment::{Samples, Segment};
 use crate::problem::settings::Settings;
 use crate::problem::shifted_vehicle::ShiftedVehicle;
-use nalgebra::UnitQuaternion;
 use poinsot_dynamics::propagation::{Flexibility, Internal, LockedVehicle, PoseMomentum};
 use poinsot_dynamics::{JointSlopes, composite, composite_and_momentum, momentum, wheel_momentum};
 use poinsot_files::Faults;
@@ -379,11 +378,7 @@ impl<'a> Experiment<'a> {
         shared: &SharedTriangle,
         evaluated: &[Evaluated],
     ) -> Result<Spectrum, Faults> {
-        let m = shared.mass;
-        let natural: Vec<f64> = self.parameters.unknowns[..m]
-            .iter()
-            .map(|u| u.natural)
-            .collect();
+        let natural = self.parameters.natural_vector(shared.mass);
         Spectrum::new(
             &shared.block(),
             &natural,
@@ -405,19 +400,9 @@ impl<'a> Experiment<'a> {
 
     /// Length of the longest column of a mass property before projection, natural units.
     pub(crate) fn longest_column(&self, evaluated: &[Evaluated]) -> f64 {
-        let unknowns = &self.parameters.unknowns;
-        let mass = unknowns.iter().filter(|u| !u.kind.is_nuisance());
-        mass.enumerate()
-            .map(|(j, unknown)| {
-                let square: f64 = evaluated
-                    .iter()
-                    .zip(&self.unknown)
-                    .filter_map(|(e, unknown)| e.triangle.as_ref().map(|t| (t, unknown.count())))
-                    .map(|(t, h)| (0..=h + j).map(|i| t.r[(i, h + j)].powi(2)).sum::<f64>())
-                    .sum();
-                square.sqrt() * unknown.natural
-            })
-            .fold(0.0, f64::max)
+        let segments = evaluated.iter().zip(&self.unknown);
+        let heads = segments.filter_map(|(e, own)| Some((e.triangle.as_ref()?, own.count())));
+        longest_column(self.parameters, &heads.collect::<Vec<_>>())
     }
 
     /// Start of a segment from its first sample and the momentum that the vehicle has at `x` then.
@@ -432,11 +417,7 @@ impl<'a> Experiment<'a> {
         let (tree, dof) = (self.problem.tree, self.problem.tree.dof());
         let bodies = self.parameters.bodies(x);
         let mut kinematics = s.first_placement(tree);
-        let R = s
-            .R_NB
-            .first()
-            .copied()
-            .unwrap_or_else(UnitQuaternion::identity);
+        let R = s.R_NB.first().copied().unwrap_or_default();
         let v = match (&s.translation, self.measured_motion) {
             (Some(t), MeasuredMotion::Translation) => {
                 R.inverse() * t.v_NBo_N.first().copied().unwrap_or_default()

@@ -1,6 +1,6 @@
 //! The triangle of the shared unknowns.
 
-use crate::problem::parameters::Parameters;
+use crate::problem::parameters::{Parameters, Unknown};
 use faer::Mat;
 use nalgebra::{DMatrix, DVector};
 use poinsot_solve::{BlockQr, Triangle};
@@ -149,6 +149,21 @@ pub(super) fn damped(r: &Mat<f64>, units: &[f64], damping: f64) -> Mat<f64> {
 pub(super) fn lengths(r: &Mat<f64>, columns: usize) -> Vec<f64> {
     let length = |j: usize| (0..=j).map(|i| r[(i, j)].powi(2)).sum::<f64>().sqrt();
     (0..columns).map(length).collect()
+}
+
+/// Length of the longest column of a mass property over the triangles of all segments, natural units; so many columns of each stand
+/// before those of the unknowns.
+pub(crate) fn longest_column(parameters: &Parameters, segments: &[(&Triangle, usize)]) -> f64 {
+    let length = |(j, unknown): (usize, &Unknown)| {
+        let square = |(triangle, head): &(&Triangle, usize)| -> f64 {
+            let at = head + j;
+            (0..=at).map(|i| triangle.r[(i, at)].powi(2)).sum()
+        };
+        segments.iter().map(square).sum::<f64>().sqrt() * unknown.natural
+    };
+    let unknowns = parameters.unknowns.iter();
+    let mass = unknowns.filter(|unknown| !unknown.kind.is_nuisance());
+    mass.enumerate().map(length).fold(0.0, f64::max)
 }
 
 /// How much a step of all columns lowers the square of the first rows of the right-hand side.

@@ -9,11 +9,11 @@ use crate::answer;
 use crate::certify::continuation::linear_set;
 use crate::fit::experiment::Experiment;
 use crate::fit::fit_near;
-use crate::fit::triangle::{SharedTriangle, conditional_estimate};
+use crate::fit::triangle::{SharedTriangle, conditional_estimate, longest_column};
 use crate::likelihood::impulse;
 use crate::likelihood::rows::{RowSetting, Rows, StartMomentum};
 use crate::methods::twist_residual;
-use crate::problem::parameters::{Equations, Parameters, Unknown};
+use crate::problem::parameters::{Equations, Parameters};
 use crate::problem::quantity::TenParameters;
 use crate::problem::refusal::not_finite;
 use crate::problem::segment::Segment;
@@ -185,10 +185,7 @@ fn solve(problem: &Problem, centres: Option<&[Vector3]>) -> Result<Reduced, Prob
         let m = start.columns();
         let tail = triangle.r.nrows() - m;
         stacked.push(tail, |i, j| triangle.r[(m + i, m + j)]);
-        rows += match equations {
-            Equations::Momentum => 6 * samples,
-            Equations::Rotation => 3 * samples,
-        } - m;
+        rows += equations.rows() * samples - m;
         reduced.push(ReducedSegment { triangle, start });
     }
     conclude(
@@ -280,11 +277,12 @@ fn conclude(
     let shared = SharedTriangle::new(&parameters, stacked);
     let m = shared.mass;
     let block = shared.block();
-    let natural: Vec<f64> = parameters.unknowns[..m].iter().map(|u| u.natural).collect();
+    let natural = parameters.natural_vector(m);
     let regressor_noise: Vec<f64> = (0..m)
         .flat_map(|i| (0..m).map(move |j| noise[i * n + j]))
         .collect();
-    let size = longest_column(&parameters, &segments);
+    let heads = segments.iter().map(|s| (&s.triangle, s.start.columns()));
+    let size = longest_column(&parameters, &heads.collect::<Vec<_>>());
     let accuracy = problem.relative_accuracy;
     let spectrum = Spectrum::new(&block, &natural, Some(&regressor_noise), size, accuracy)
         .map_err(not_finite)?
@@ -313,21 +311,6 @@ fn conclude(
     };
     found.settle(problem);
     Ok(found)
-}
-
-/// Length of the longest column of a mass property before momentum is projected out, natural units.
-fn longest_column(parameters: &Parameters, reduced: &[ReducedSegment]) -> f64 {
-    let length = |(j, unknown): (usize, &Unknown)| {
-        let square = |one: &ReducedSegment| {
-            let at = one.start.columns() + j;
-            let column = (0..=at).map(|i| one.triangle.r[(i, at)].powi(2));
-            column.sum::<f64>()
-        };
-        reduced.iter().map(square).sum::<f64>().sqrt() * unknown.natural
-    };
-    let unknowns = parameters.unknowns.iter().enumerate();
-    let own = unknowns.filter(|(_, unknown)| !unknown.kind.is_nuisance());
-    own.map(length).fold(0.0, f64::max)
 }
 
 impl Solution {
@@ -405,13 +388,8 @@ fn segment_chi2(
             (r[(i, h + n)] - predicted).powi(2)
         })
         .sum();
-    let per_sample = match parameters.equations {
-        Equations::Momentum => 6,
-        Equations::Rotation => 3,
-    };
-    left / (per_sample * segment.samples.time_s.len())
-        .saturating_sub(h)
-        .max(1) as f64
+    let rows = parameters.equations.rows() * segment.samples.time_s.len();
+    left / rows.saturating_sub(h).max(1) as f64
 }
 
 /// Momentum of a segment, and its values about the inertial origin.

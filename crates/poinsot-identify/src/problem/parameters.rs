@@ -44,6 +44,16 @@ pub enum Equations {
     Rotation,
 }
 
+impl Equations {
+    /// Rows of one sample.
+    pub(crate) fn rows(self) -> usize {
+        match self {
+            Self::Momentum => 6,
+            Self::Rotation => 3,
+        }
+    }
+}
+
 /// The unknowns, the known remainder and the maps between them and the bodies.
 #[derive(Debug, Clone)]
 pub struct Parameters {
@@ -321,6 +331,11 @@ impl Parameters {
     /// Nominal values of the unknowns.
     pub fn nominal_vector(&self) -> Vec<f64> {
         self.unknowns.iter().map(|u| u.nominal).collect()
+    }
+
+    /// Natural scales of the first unknowns.
+    pub(crate) fn natural_vector(&self, count: usize) -> Vec<f64> {
+        self.unknowns[..count].iter().map(|u| u.natural).collect()
     }
 
     /// Barycentric parameters of every body for values of the unknowns.
