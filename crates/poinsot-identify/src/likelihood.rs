@@ -9,7 +9,7 @@ mod sensor_rows;
 
 use carried_columns::CarriedColumns;
 pub(crate) use carried_columns::KnownColumns;
-pub(crate) use initial_state::{InitialState, InitialStateColumns, MeasuredMotion, start};
+pub(crate) use initial_state::{InitialState, InitialStateColumns, MeasuredMotion};
 
 use crate::motion::input_curves::InputCurves;
 use crate::motion::input_noise::{FilterSetting, InputNoise};
@@ -213,11 +213,9 @@ fn evaluate_driven(
 ) -> Option<Evaluated> {
     let tree = tilted(setting.tree, setting.parameters, x);
     let vehicle = setting.vehicle(&tree, (index, segment), x);
-    let (state, columns) = start(initial_state, unknown, x.len());
-    let columns = if with_sensitivities {
-        columns
-    } else {
-        Vec::new()
+    let columns = match with_sensitivities {
+        true => unknown.columns(x.len()),
+        false => Vec::new(),
     };
     let motion = || Motion::new(&vehicle, segment, columns.clone(), unknown.count());
     let asked = (unknown, with_sensitivities);
@@ -233,9 +231,14 @@ fn evaluate_driven(
         records: setting.smooth_inputs,
     });
     let late: Vec<bool> = compare.cursors.iter().map(|f| f.late).collect();
-    compare.ideal = IdealSeries::new(&vehicle, segment, &state, &late)?;
+    compare.ideal = IdealSeries::new(&vehicle, segment, initial_state, &late)?;
     let samples = segment.observations.time_s.len();
-    compare_all(&mut compare, motion, &state, (samples, setting.split))?;
+    compare_all(
+        &mut compare,
+        motion,
+        initial_state,
+        (samples, setting.split),
+    )?;
     // One direction alone does not determine the rotation about itself.
     if unknown.attitude && !segment.observations.reads(SensorKind::Attitude) {
         let from = segment.samples.R_NB.first().copied().unwrap_or_default();

@@ -35,7 +35,6 @@ pub use types::{
 
 use crate::fit::Fitted;
 use crate::fit::experiment::Experiment;
-use crate::likelihood::start;
 use crate::motion::{Motion, tilted};
 use candidates::{assumptions, candidates};
 use projected::Projected;
@@ -212,8 +211,7 @@ fn deflections(experiment: &Experiment, fitted: &Fitted) -> Vec<Deflection> {
     }
     for (s, segment) in experiment.problem.segments.iter().enumerate() {
         let vehicle = setting.vehicle(&tree, (s, segment), x);
-        let initial = &fitted.at.initial_states[s];
-        let (mut state, _) = start(initial, experiment.unknown[s], x.len());
+        let mut state = fitted.at.initial_states[s];
         let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0);
         let samples = segment.observations.time_s.len();
         for k in 0..samples {

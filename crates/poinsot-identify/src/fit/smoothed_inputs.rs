@@ -17,7 +17,7 @@ use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::part_of_record::beginning;
 use crate::fit::step::ITERATIONS;
 use crate::fit::{Fitted, fit_on};
-use crate::likelihood::{Evaluated, InitialState, start};
+use crate::likelihood::{Evaluated, InitialState};
 use crate::motion::{Motion, tilted};
 use crate::problem::segment::{InputErrors, Segment};
 use poinsot_solve::{LeastSquares, Spectrum};
@@ -164,12 +164,11 @@ fn effect(experiment: &Experiment, x: &[f64], starts: &[InitialState]) -> Option
     for (index, segment) in setting.segments.iter().enumerate() {
         let o = &segment.observations;
         let vehicle = setting.vehicle(&tree, (index, segment), x);
-        let (state, _) = start(&starts[index], experiment.unknown[index], x.len());
         let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0);
         let length = motion.gyration();
         for k in (0..o.time_s.len()).step_by(o.time_s.len().div_ceil(PLACES).max(1)) {
-            let (instant, _) = motion.velocity(&state, k)?;
-            for (w, variance) in setting.noise.wheel_speed.iter().enumerate() {
+            let (instant, _) = motion.velocity(&starts[index], k)?;
+            for (w, variance) in setting.problem.noise.wheel_speed.iter().enumerate() {
                 if !matches!(o.wheel(w).errors, InputErrors::Process(_)) {
                     sum += variance * square(motion.wheel_gain(&instant, w), length);
                 }

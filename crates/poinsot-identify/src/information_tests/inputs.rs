@@ -2,7 +2,7 @@
 
 use super::{MODEL, finer, noise};
 use crate::fit::experiment::Experiment;
-use crate::likelihood::{InitialState, InitialStateColumns, start};
+use crate::likelihood::InitialState;
 use crate::motion::Motion;
 use crate::motion::Vehicle;
 use crate::problem::Problem;
@@ -116,17 +116,7 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
         let mut vehicle = Vehicle::new(&tree, &model.thrusters, &parameters, &spin, &x);
         vehicle.wheels_smooth = case.smooth;
         let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0);
-        let (mut state, _) = start(
-            initial_state,
-            InitialStateColumns {
-                internal: 0,
-                attitude: false,
-                position: false,
-                linear: false,
-                angular: false,
-            },
-            x.len(),
-        );
+        let mut state = *initial_state;
         let samples = segment.observations.time_s.len();
         let mut all = Vec::new();
         for k in 0..samples {

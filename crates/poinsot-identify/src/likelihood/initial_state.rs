@@ -40,6 +40,16 @@ impl InitialStateColumns {
         }
     }
 
+    /// Change of the state at the first grid time with every unknown, `unknowns` of which are not of the start.
+    pub fn columns(&self, unknowns: usize) -> Vec<Column> {
+        let parts = self.parts().into_iter().enumerate();
+        let wanted = parts.filter(|(_, wanted)| *wanted);
+        let vectors = wanted.flat_map(|(part, _)| 3 * part..3 * part + 3);
+        let internal = STATE..STATE + 2 * self.internal;
+        let own = vectors.chain(internal).map(|k| Column::ith(k, 1.0));
+        own.chain((0..unknowns).map(|_| Column::zeros())).collect()
+    }
+
     /// Number of columns.
     pub fn count(&self) -> usize {
         let vectors = self.parts().map(usize::from).iter().sum::<usize>();
@@ -69,24 +79,4 @@ pub(crate) enum MeasuredMotion {
     Translation,
     /// Attitude and rates only.
     Rotation,
-}
-
-/// State at the first grid time and its change with every unknown.
-pub(crate) fn start(
-    initial_state: &InitialState,
-    unknown: InitialStateColumns,
-    unknowns: usize,
-) -> (InitialState, Vec<Column>) {
-    let mut columns = Vec::with_capacity(unknown.count() + unknowns);
-    for (part, _) in unknown
-        .parts()
-        .iter()
-        .enumerate()
-        .filter(|(_, wanted)| **wanted)
-    {
-        columns.extend((0..3).map(|k| Column::ith(3 * part + k, 1.0)));
-    }
-    columns.extend((0..2 * unknown.internal).map(|k| Column::ith(STATE + k, 1.0)));
-    columns.resize(unknown.count() + unknowns, Column::zeros());
-    (*initial_state, columns)
 }

@@ -5,7 +5,7 @@
 use crate::answer;
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::fit_starts;
-use crate::likelihood::{ChannelResidual, Evaluated, InitialState, start};
+use crate::likelihood::{ChannelResidual, Evaluated, InitialState};
 use crate::methods::flexible::explained;
 use crate::methods::linear::{linear, solve_linear};
 use crate::motion::input_noise::InputNoise;
@@ -152,7 +152,7 @@ fn segment(
     let setting = experiment.setting();
     let tree = tilted(problem.tree, experiment.parameters, x);
     let vehicle = setting.vehicle(&tree, (at, segment), x);
-    let (mut state, _) = start(initial_state, experiment.unknown[at], x.len());
+    let mut state = *initial_state;
     let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0);
     let late: Vec<bool> = segment
         .observations
