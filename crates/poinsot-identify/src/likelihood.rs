@@ -8,7 +8,7 @@ pub(crate) mod rows;
 mod sensor_rows;
 
 use carried_columns::CarriedColumns;
-pub(crate) use carried_columns::KnownColumns;
+pub(crate) use carried_columns::{KnownColumns, PredictionSlopes};
 pub(crate) use initial_state::{InitialState, InitialStateColumns, MeasuredMotion};
 
 use crate::motion::input_curves::InputCurves;

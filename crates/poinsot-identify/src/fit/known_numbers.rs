@@ -178,12 +178,8 @@ fn shown(experiment: &Experiment, at: &Iterate, all: Vec<Unknown>) -> Option<Vec
     let whole = extended(experiment.problem, experiment.parameters, &all);
     let columns = slopes(&experiment.with_parameters(&whole), &behind(at, &all))?;
     let shows = |k: usize| {
-        let sensors = columns.slopes.iter().flatten();
-        let square: f64 = sensors
-            .filter_map(|numbers| numbers.get(k))
-            .flatten()
-            .map(|v| v.norm_squared())
-            .sum();
+        let readings = columns.slopes[k].iter().flatten().flatten();
+        let square: f64 = readings.map(|v| v.norm_squared()).sum();
         let own = told(experiment.problem.model, &all[k].name, all[k].unit);
         own.is_some() || square.sqrt() * all[k].natural > SILENT
     };

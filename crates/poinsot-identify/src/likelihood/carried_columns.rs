@@ -1,7 +1,7 @@
 //! Known numbers as unknowns: columns that another evaluation gave.
 
 use super::Setting;
-use crate::problem::segment::Segment;
+use crate::problem::segment::{Segment, SensorRecord};
 use poinsot_spatial::Vector3;
 
 /// How the whitened predictions of every sample move with each known number.
@@ -9,14 +9,19 @@ use poinsot_spatial::Vector3;
 pub(crate) struct KnownColumns {
     /// By segment: names of the sensors compared there.
     pub sensors: Vec<Vec<String>>,
-    /// By segment, sensor and number: slope of each whitened prediction.
-    pub slopes: Vec<Vec<Vec<Vec<Vector3>>>>,
+    /// By number.
+    pub slopes: Vec<PredictionSlopes>,
 }
+
+/// How the whitened predictions move with one number: by segment, sensor and sample. Empty for a number that cannot be moved.
+pub(crate) type PredictionSlopes = Vec<Vec<Vec<Vector3>>>;
 
 /// The columns of one segment in the course of an evaluation.
 pub(super) struct CarriedColumns<'a> {
-    /// By sensor of the segment: slopes of each number.
-    sensors: Vec<Option<&'a [Vec<Vector3>]>>,
+    known: Option<&'a KnownColumns>,
+    /// Index of the segment, and the place of each of its sensors among the names there.
+    segment: usize,
+    sensors: Vec<Option<usize>>,
     /// Places of the other unknowns in the whole list.
     kept: Vec<usize>,
     /// Places of the known numbers.
@@ -31,17 +36,12 @@ impl<'a> CarriedColumns<'a> {
         kept: Vec<usize>,
     ) -> Self {
         let places: Vec<usize> = (0..x.len()).filter(|k| !kept.contains(k)).collect();
-        let known = setting.known;
-        let slopes = |name: &str| {
-            let names = known?.sensors.get(index)?;
-            let which = names.iter().position(|n| n == name)?;
-            Some(known?.slopes.get(index)?.get(which)?.as_slice())
-        };
+        let names = setting.known.and_then(|known| known.sensors.get(index));
+        let place = |r: &SensorRecord| names?.iter().position(|name| *name == r.name);
         Self {
-            sensors: {
-                let records = segment.observations.sensors.iter();
-                records.map(|r| slopes(&r.name)).collect()
-            },
+            known: setting.known,
+            segment: index,
+            sensors: segment.observations.sensors.iter().map(place).collect(),
             kept,
             places,
         }
@@ -57,10 +57,12 @@ impl<'a> CarriedColumns<'a> {
     }
 
     fn slope(&self, number: usize, (sensor, reading): (usize, usize)) -> Vector3 {
-        let of = self.sensors.get(sensor).copied().flatten();
-        let column = of.and_then(|all| all.get(number));
-        let slope = column.and_then(|c| c.get(reading));
-        slope.copied().unwrap_or_default()
+        let slope = || {
+            let sensors = self.known?.slopes.get(number)?.get(self.segment)?;
+            let readings = sensors.get((*self.sensors.get(sensor)?)?)?;
+            readings.get(reading).copied()
+        };
+        slope().unwrap_or_default()
     }
 
     /// The rows of one reading with the columns of the known numbers in their places, all whitened; the residual last.

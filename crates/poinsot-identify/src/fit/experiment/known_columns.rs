@@ -3,10 +3,12 @@
 //! One evaluation with sensitivities gives the columns of all of them.
 
 use super::{Experiment, Iterate};
+pub(crate) use crate::likelihood::PredictionSlopes;
 use crate::likelihood::{Evaluated, InitialStateColumns, KeptRow, KnownColumns};
 use crate::problem::Problem;
 use crate::problem::loss::Loss;
 use crate::problem::parameters::{Parameters, Unknown, UnknownKind};
+use crate::problem::segment::Segment;
 use crate::problem::shifted_vehicle::{ShiftedVehicle, shifts};
 use poinsot_dynamics::SensorError;
 use poinsot_model::{KnownNumber, Model};
@@ -34,27 +36,15 @@ pub(crate) fn slopes(experiment: &Experiment, at: &Iterate) -> Option<KnownColum
     let numbers: Vec<Shift> = known
         .map(|k| (k.number, k.component, DIFFERENCE * k.sigma))
         .collect();
-    let mut by_number = moved.slopes(experiment, &numbers)?;
-    let mut out = KnownColumns::default();
-    for (s, segment) in experiment.problem.segments.iter().enumerate() {
-        let sensors = &segment.observations.sensors;
-        let names = sensors.iter().map(|r| r.name.clone());
-        out.sensors.push(names.collect());
-        let mut of = |sensor: usize| -> Vec<Vec<Vector3>> {
-            let own =
-                |all: &mut PredictionSlopes| Some(std::mem::take(all.get_mut(s)?.get_mut(sensor)?));
-            by_number
-                .iter_mut()
-                .map(|all| own(all).unwrap_or_default())
-                .collect()
-        };
-        out.slopes.push((0..sensors.len()).map(&mut of).collect());
-    }
-    Some(out)
+    let names = |segment: &Segment| {
+        let sensors = segment.observations.sensors.iter();
+        sensors.map(|r| r.name.clone()).collect()
+    };
+    Some(KnownColumns {
+        sensors: experiment.problem.segments.iter().map(names).collect(),
+        slopes: moved.slopes(experiment, &numbers)?,
+    })
 }
-
-/// How the whitened predictions move with one number: by segment, sensor and sample. Empty for a number that cannot be moved.
-pub(crate) type PredictionSlopes = Vec<Vec<Vec<Vector3>>>;
 
 /// A component of a known number with a step for the difference of what it moves in the vehicle.
 pub(crate) type Shift = (KnownNumber, usize, f64);
