@@ -232,14 +232,12 @@ pub(crate) fn body_slopes(
     if let Some((body, [here, there])) = of_known_body(problem.model, shift) {
         return Some(difference(body, &here, &there, shift.2));
     }
-    let there = ShiftedVehicle::from(problem, nominal, parameters, &[shift])?;
-    let here = ShiftedVehicle::from(
-        problem,
-        nominal,
-        parameters,
-        &[(shift.0, shift.1, -shift.2)],
-    )?;
-    let (here, there) = (here.parameters.bodies(x), there.parameters.bodies(x));
+    let bodies = |step: f64| {
+        let shift = (shift.0, shift.1, step);
+        let end = ShiftedVehicle::from(problem, nominal, parameters, &[shift])?;
+        Some(end.parameters.bodies(x))
+    };
+    let (there, here) = (bodies(shift.2)?, bodies(-shift.2)?);
     let pairs = here.iter().zip(&there).enumerate();
     let of = |(body, (a, b))| difference(body, a, b, shift.2);
     Some(pairs.flat_map(of).collect())
