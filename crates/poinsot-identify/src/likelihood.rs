@@ -16,15 +16,16 @@ use crate::motion::input_noise::{FilterSetting, InputNoise};
 use crate::motion::{
     Column, Fineness, Grid, Motion, State, Steps, Vehicle, impulse_before, tilted,
 };
+use crate::problem::Problem;
 use crate::problem::alternative::BetweenSamples;
 use crate::problem::loss::Loss;
 use crate::problem::parameters::Parameters;
-use crate::problem::segment::{Noise, Segment};
+use crate::problem::segment::Segment;
 use crate::sensors::{IdealSeries, SpareVectors};
 use nalgebra::Cholesky;
 use parallel::compare_all;
 use poinsot_dynamics::Tree;
-use poinsot_model::{RandomTorque, SensorKind, Thruster};
+use poinsot_model::{SensorKind, Thruster};
 use poinsot_solve::{BlockQr, Triangle};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 use sensor_rows::SensorCursor;
@@ -37,24 +38,18 @@ const SLOW: f64 = 0.01;
 /// What stays the same over all evaluations.
 #[derive(Clone, Copy)]
 pub(crate) struct Setting<'a> {
-    pub tree: &'a Tree,
+    pub problem: Problem<'a>,
     pub thrusters: &'a [Thruster],
-    /// All records.
-    pub segments: &'a [Segment],
     pub parameters: &'a Parameters,
     pub nominal_spin: &'a [f64],
-    pub noise: &'a Noise,
     pub loss: Loss,
     /// What is assumed of the inputs between their samples.
     pub wheels: BetweenSamples,
-    /// Random torque of the environment, where one is declared.
-    pub random_torque: Option<RandomTorque>,
     /// Curves along which lags shift the inputs, one per segment; empty where no lag is unknown.
     pub curves: &'a [InputCurves],
-    /// Integration steps, one grid per segment, how many steps for each, and whether wheel speeds bend within an interval.
+    /// Integration steps, one grid per segment, and their refinement.
     pub grids: &'a [Grid],
-    pub factor: u32,
-    pub bends: bool,
+    pub fineness: Fineness,
     /// Whether every whitened row is kept, and no triangle is made.
     pub keep_rows: bool,
     /// Whether the inputs are smoothed by all samples.
@@ -69,17 +64,6 @@ pub(crate) struct Setting<'a> {
 }
 
 impl Setting<'_> {
-    /// Integration steps of a segment.
-    pub fn steps(&self, segment: usize) -> Steps<'_> {
-        Steps {
-            grid: self.grids.get(segment),
-            fineness: Fineness {
-                factor: self.factor,
-                bends: self.bends,
-            },
-        }
-    }
-
     /// The vehicle in a segment at one value of the unknowns; `tree` is [`tilted`] there.
     pub fn vehicle<'v>(
         &'v self,
@@ -91,11 +75,15 @@ impl Setting<'_> {
         let mut vehicle = Vehicle::new(tree, thrusters, self.parameters, self.nominal_spin, x);
         vehicle.segment = index;
         if vehicle.loses_mass() {
-            vehicle.impulse_before = impulse_before(self.segments, segment, thrusters.len());
+            vehicle.impulse_before =
+                impulse_before(self.problem.segments, segment, thrusters.len());
         }
         vehicle.wheels_smooth = self.wheels.is_smooth();
         vehicle.curves = self.curves.get(index);
-        vehicle.steps = self.steps(index);
+        vehicle.steps = Steps {
+            grid: self.grids.get(index),
+            fineness: self.fineness,
+        };
         vehicle
     }
 }
@@ -211,7 +199,7 @@ fn evaluate_driven(
     (unknown, with_sensitivities): (InitialStateColumns, bool),
     carried: Option<CarriedColumns>,
 ) -> Option<Evaluated> {
-    let tree = tilted(setting.tree, setting.parameters, x);
+    let tree = tilted(setting.problem.tree, setting.parameters, x);
     let vehicle = setting.vehicle(&tree, (index, segment), x);
     let columns = match with_sensitivities {
         true => unknown.columns(x.len()),
@@ -222,8 +210,8 @@ fn evaluate_driven(
     let mut compare = SegmentComparison::new(setting, segment, x, asked, carried);
     let forced = !segment.firings.is_empty() || vehicle.has_environment_torque();
     compare.inputs = InputNoise::new(FilterSetting {
-        noise: setting.noise,
-        random_torque: setting.random_torque,
+        noise: setting.problem.noise,
+        random_torque: setting.problem.model.environment.random_torque,
         segment,
         forced,
         internal: vehicle.modes.len() + vehicle.passive.joints().len(),

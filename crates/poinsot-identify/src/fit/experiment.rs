@@ -177,19 +177,18 @@ impl<'a> Experiment<'a> {
     /// What stays the same over all evaluations.
     pub fn setting(&self) -> Setting<'_> {
         Setting {
-            tree: self.problem.tree,
-            segments: self.problem.segments,
+            problem: *self.problem,
             thrusters: &self.thrusters,
             parameters: self.parameters,
             nominal_spin: &self.nominal_spin,
-            noise: self.problem.noise,
             loss: self.settings.loss,
             wheels: self.wheels,
-            random_torque: self.problem.model.environment.random_torque,
             curves: self.curves(),
             grids: self.grids(),
-            factor: self.fineness.factor,
-            bends: self.bends(),
+            fineness: Fineness {
+                bends: self.bends(),
+                ..self.fineness
+            },
             known: self.known.as_deref(),
             keep_rows: self.keep_rows,
             smooth_inputs: self.smooth_inputs,
@@ -201,18 +200,16 @@ impl<'a> Experiment<'a> {
         }
     }
 
+    /// The vehicle at a value of the unknowns.
+    fn vehicle(&self, x: &[f64]) -> Vehicle<'_> {
+        let (tree, spin) = (self.problem.tree, &self.nominal_spin);
+        Vehicle::new(tree, &self.thrusters, self.parameters, spin, x)
+    }
+
     /// The grids of all segments.
     fn grids(&self) -> &[Grid] {
         self.grids.get_or_init(|| {
-            let x = self.parameters.nominal_vector();
-            let tree = self.problem.tree;
-            let vehicle = Vehicle::new(
-                tree,
-                &self.thrusters,
-                self.parameters,
-                &self.nominal_spin,
-                &x,
-            );
+            let vehicle = self.vehicle(&self.parameters.nominal_vector());
             let segments = self.problem.segments.iter();
             segments
                 .map(|s| Grid::new(&vehicle, &s.observations))
@@ -429,13 +426,7 @@ impl<'a> Experiment<'a> {
         kinematics.set_velocities(tree, &v, &w, rates);
         let now = momentum(&bodies, &kinematics);
         let speeds = s.wheel_speed.get(..tree.rotors.len()).unwrap_or(&[]);
-        let vehicle = Vehicle::new(
-            tree,
-            &self.thrusters,
-            self.parameters,
-            &self.nominal_spin,
-            x,
-        );
+        let vehicle = self.vehicle(x);
         let l: Vector3 = now.fixed_rows::<3>(0).into();
         let h = now.fixed_rows::<3>(3) + wheel_momentum(tree, &kinematics, &vehicle.spin, speeds);
         let c = composite(&bodies, &kinematics).p_BoScm_B();

@@ -157,11 +157,11 @@ fn bias(
 /// cannot move.
 fn effect(experiment: &Experiment, x: &[f64], starts: &[InitialState]) -> Option<f64> {
     let (setting, mut sum) = (experiment.setting(), 0.0);
-    let tree = tilted(setting.tree, experiment.parameters, x);
+    let tree = tilted(setting.problem.tree, experiment.parameters, x);
     let square = |v: Vector6, length: f64| {
         v.fixed_rows::<3>(3).norm_squared() + v.fixed_rows::<3>(0).norm_squared() / length.powi(2)
     };
-    for (index, segment) in setting.segments.iter().enumerate() {
+    for (index, segment) in setting.problem.segments.iter().enumerate() {
         let o = &segment.observations;
         let vehicle = setting.vehicle(&tree, (index, segment), x);
         let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0);

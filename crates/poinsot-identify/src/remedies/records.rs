@@ -4,7 +4,9 @@ use super::baseline::Baseline;
 use super::{Action, Change, Effort, Row};
 use crate::fit::part_of_record::at_times;
 use crate::likelihood::{InitialState, InitialStateColumns, MeasuredMotion, Setting, evaluate};
+use crate::motion::Fineness;
 use crate::motion::input_curves::InputCurves;
+use crate::problem::Problem;
 use crate::problem::loss::Loss;
 use crate::problem::parameters::axis_name;
 use crate::problem::segment::{Firing, Noise, Observations, Segment, SensorRecord, SensorValue};
@@ -221,19 +223,18 @@ impl Baseline<'_> {
         }
         let setting = Setting {
             known: None,
-            segments: self.problem.segments,
-            tree: self.problem.tree,
+            problem: Problem {
+                noise: &trial.noise,
+                ..*self.problem
+            },
             thrusters: &trial.thrusters,
             parameters: &self.parameters,
             nominal_spin: &self.spin,
-            noise: &trial.noise,
             loss: Loss::Gaussian,
             wheels: self.wheels,
-            random_torque: self.problem.model.environment.random_torque,
             curves: &curves,
             grids: &[],
-            factor: 1,
-            bends: false,
+            fineness: Fineness::default(),
             keep_rows: false,
             smooth_inputs: false,
             fitted: None,
