@@ -10,7 +10,7 @@ use crate::answer;
 use crate::diagnosis::Suspect;
 use crate::diagnosis::octaves::consistent;
 use crate::diagnosis::oscillation::{Oscillation, oscillation};
-use crate::fit::experiment::{Experiment, Iterate};
+use crate::fit::experiment::Experiment;
 use crate::fit::momentum_state::fit_near;
 use crate::fit::{Fitted, step::ITERATIONS};
 use crate::problem::alternative::BetweenSamples;
@@ -43,10 +43,9 @@ const REFITS: usize = 15;
 /// Damping, in its sigmas, below which a mode is not told from a disturbance of constant amplitude.
 const DAMPED: f64 = 3.0;
 
-/// A vehicle with modes, and where its fit ended.
+/// A vehicle with modes, and its fit.
 struct Found {
     model: Model,
-    at: Iterate,
     fitted: Fitted,
     parameters: Parameters,
 }
@@ -127,14 +126,14 @@ fn with_modes(
         return Ok(None);
     };
     // What stands as nominal is about where the search ended.
-    let modes = found.parameters.modes_at(&found.at.x);
+    let modes = found.modes();
     for (own, mode) in found.model.modes.iter_mut().zip(&modes) {
         for number in ModeNumber::groups().into_iter().flatten() {
             own.mode.set(*number, about(mode.get(*number)));
         }
     }
     let own = problem.with_model(&found.model);
-    let mut ended = solve_from(&own, settings, Some(found.at))?;
+    let mut ended = solve_from(&own, settings, Some(found.fitted.at))?;
     let before = rigid.solution.residual.0;
     ended.solution.remarks.push(evidence(&own, before, &ended));
     let estimate = answer::write(&own, &ended.solution);
@@ -234,7 +233,6 @@ impl<'a> Search<'a> {
         let rigid_excess = excess(&start);
         let mut now = Found {
             model: self.problem.model.clone(),
-            at: start.at.clone(),
             fitted: start,
             parameters,
         };
@@ -296,8 +294,7 @@ impl<'a> Search<'a> {
 
     /// Fits a vehicle with other modes from where the last fit ended.
     fn refitted(&self, last: &Found, mut model: Model) -> Result<Option<Found>, ProblemError> {
-        let modes = last.parameters.modes_at(&last.at.x);
-        for (own, mode) in model.modes.iter_mut().zip(modes) {
+        for (own, mode) in model.modes.iter_mut().zip(last.modes()) {
             own.mode = mode;
         }
         let own = self.of(&model);
@@ -306,23 +303,22 @@ impl<'a> Search<'a> {
         let mut at = experiment.nominal_point();
         for (x, unknown) in at.x.iter_mut().zip(&parameters.unknowns) {
             if let Some(place) = last.parameters.place(&unknown.kind) {
-                *x = last.at.x[place];
+                *x = last.fitted.at.x[place];
             }
         }
         let known = 2 * last.model.modes.len();
-        let starts = at.initial_states.iter_mut().zip(&last.at.initial_states);
+        let starts = at
+            .initial_states
+            .iter_mut()
+            .zip(&last.fitted.at.initial_states);
         for ((to, from), segment) in starts.zip(own.segments) {
             let fresh = experiment.measured_initial_state(segment, &at.x).internal;
             (*to, to.internal) = (*from, fresh);
             let old = to.internal.iter_mut().zip(&from.internal).take(known);
             old.for_each(|(to, from)| *to = *from);
         }
-        let Some(fitted) = fit_near(&experiment, at, REFITS) else {
-            return Ok(None);
-        };
-        let at = fitted.at.clone();
-        Ok(Some(Found {
-            at,
+        let fitted = fit_near(&experiment, at, REFITS);
+        Ok(fitted.map(|fitted| Found {
             fitted,
             parameters,
             model,
@@ -346,7 +342,7 @@ impl<'a> Search<'a> {
         if seen.decrease < EVIDENCE.max(seen.steady).max(NOTABLE * excess) {
             return None;
         }
-        let bodies = now.parameters.bodies(&now.at.x);
+        let bodies = now.parameters.bodies(&now.fitted.at.x);
         let J = composite(&bodies, &Kinematics::new(own.tree)).I_SScm_B();
         let (d, share) = participation(&seen, &J)?;
         let every = ModeEstimate {
@@ -377,6 +373,11 @@ fn excess(fitted: &Fitted) -> f64 {
 }
 
 impl Found {
+    /// The modes where the fit ended.
+    fn modes(&self) -> Vec<Mode> {
+        self.parameters.modes_at(&self.fitted.at.x)
+    }
+
     /// How much lower chi-square is than that of another.
     fn lowers(&self, other: &Self) -> f64 {
         other.fitted.chi2() - self.fitted.chi2()
