@@ -116,17 +116,13 @@ fn fitted(
         end,
     } = minimum;
     let linearisation = here.rows;
-    let data_alone = if experiment.has_design_prior() {
+    let alone = || {
         let stacked = experiment.stack(&at, &linearisation.evaluated, false);
         let own = SharedTriangle::new(experiment.parameters, &stacked);
-        Some(
-            experiment
-                .spectra(&stacked, &own, &linearisation.evaluated)?
-                .0,
-        )
-    } else {
-        None
+        let both = experiment.spectra(&stacked, &own, &linearisation.evaluated);
+        both.map(|(alone, _)| alone)
     };
+    let data_alone = experiment.has_design_prior().then(alone).transpose()?;
     let chi2 = (linearisation.evaluated.iter()).map(|e| e.chi2).sum();
     let rows: usize = linearisation.evaluated.iter().map(|e| e.rows).sum();
     // What an integration error may change the answer by, in sigmas widened by the misfit; and what a step ignores.
@@ -174,6 +170,11 @@ impl Fitted {
         };
         let (square, count) = channels.fold((0.0, 0), of);
         square / count.max(1) as f64
+    }
+
+    /// Parts that follow a step of the mass properties.
+    pub fn parts(&self) -> (&[Evaluated], &SharedTriangle, &[f64]) {
+        (&self.evaluated, &self.shared, &self.spectrum.natural)
     }
 
     /// How many numbers were compared.

@@ -152,13 +152,7 @@ impl Profile<'_> {
     /// The answer moved along a direction; what is eliminated follows.
     fn step(&self, towards: &Direction, half: f64) -> Iterate {
         let step: Vec<f64> = towards.iter().map(|d| half * d).collect();
-        let fitted = self.fitted;
-        let parts = (
-            &fitted.evaluated[..],
-            &fitted.shared,
-            &fitted.spectrum.natural[..],
-        );
-        moved(self.experiment, &fitted.at, parts, &step)
+        moved(self.experiment, &self.fitted.at, self.fitted.parts(), &step)
     }
 
     /// Root of the rise of the cost at a point.

@@ -112,13 +112,7 @@ fn brought_back(
 ) -> Option<Fitted> {
     let rhs = beyond.shared.rhs();
     let (step, _) = bodies.step(&beyond.spectrum, &rhs, 0.0, &beyond.at.x);
-    let (shared, natural) = (&beyond.shared, &beyond.spectrum.natural);
-    let at = moved(
-        experiment,
-        &beyond.at,
-        (&beyond.evaluated, shared, natural),
-        &step,
-    );
+    let at = moved(experiment, &beyond.at, beyond.parts(), &step);
     fit_from(experiment, at, ITERATIONS)
 }
 
