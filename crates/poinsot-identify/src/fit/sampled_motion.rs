@@ -443,23 +443,20 @@ impl InputSamples<'_> {
         let span = self.time_s.last()? - self.time_s.first()?;
         let first = self.samples.iter().take_while(|s| s.at == 0);
         let rounding = first.map(|s| s.rounding).sum::<f64>().sqrt();
-        if self.of != Changes::Acceleration {
+        let all = if self.of == Changes::Acceleration {
+            let values = self.samples.iter().filter(|s| !s.of_slope);
+            let values: Vec<f64> = values.map(|s| s.value).collect();
+            let [least, most] = [f64::min, f64::max].map(|of| values.iter().copied().reduce(of));
+            let wide = RANGES * (self.noise()? + most? - least?);
+            let rate = values.len() as f64 / span;
+            [wide, wide * rate, wide * rate * rate]
+        } else {
             let largest = sizes.iter().fold(0.0, |a: f64, b| a.max(*b));
             let wide = DIFFUSE * (self.noise()? + largest * span);
-            let all = [wide, wide / span];
-            return Some(SVector::from_fn(|i, _| {
-                all.get(i).copied().unwrap_or(rounding)
-            }));
-        }
-        let values = self.samples.iter().filter(|s| !s.of_slope);
-        let values: Vec<f64> = values.map(|s| s.value).collect();
-        let [least, most] = [f64::min, f64::max].map(|of| values.iter().copied().reduce(of));
-        let wide = RANGES * (self.noise()? + most? - least?);
-        let rate = values.len() as f64 / span;
-        let all = [wide, wide * rate, wide * rate * rate];
-        Some(SVector::from_fn(|i, _| {
-            all.get(i).copied().unwrap_or(rounding)
-        }))
+            [wide, wide / span, rounding]
+        };
+        let own = |i: usize, _| all.get(i).copied().unwrap_or(rounding);
+        Some(SVector::from_fn(own))
     }
 
     /// The posterior with the standard deviation of a plain change at each grid time; `None` without samples.
@@ -612,18 +609,19 @@ impl InputSamples<'_> {
         let (noise, rate) = (self.noise()?, count as f64 / span);
         let slopes = self.samples.iter().filter(|s| s.of_slope);
         let slopes = slopes.map(|s| s.white.sqrt()).reduce(f64::min);
-        let [slow, fast] = match self.of {
+        let range = match self.of {
             // The slope that a change makes, over the time until the end and until the next one.
-            Changes::Acceleration => [span.recip(), rate].map(|rate| {
-                let slopes = slopes.unwrap_or(noise * rate);
+            Changes::Acceleration => {
+                let [slow, fast] = [span.recip(), rate].map(|rate| {
+                    [noise * rate, slopes.unwrap_or(noise * rate)].map(|size| size * rate)
+                });
                 [
-                    (noise * rate * rate).min(slopes * rate),
-                    (noise * rate * rate).max(slopes * rate),
+                    RANGE[0] * slow[0].min(slow[1]),
+                    RANGE[1] * fast[0].max(fast[1]),
                 ]
-            }),
-            Changes::Slope | Changes::SlopeAtTimes => [[noise * rate; 2]; 2],
+            }
+            Changes::Slope | Changes::SlopeAtTimes => RANGE.map(|of| of * (noise * rate)),
         };
-        let range = [RANGE[0] * slow[0], RANGE[1] * fast[1]];
         let cost = |log: f64| {
             let sizes = vec![log.exp(); self.time_s.len()];
             let start = self.start::<N>(&sizes);
