@@ -300,18 +300,10 @@ pub(crate) fn parabola_slope(t: &[f64], value: impl Fn(usize) -> f64, i: usize) 
 /// Grid times and weights of the values that make up [`parabola_slope`]; at an end one of the three has no weight.
 pub(crate) fn slope_weights(t: &[f64], i: usize) -> [(usize, f64); 3] {
     let weight = |j: usize| parabola_slope(t, |k| f64::from(u8::from(k == j)), i);
-    let place = |j: usize| {
-        if j < t.len() {
-            (j, weight(j))
-        } else {
-            (i, 0.0)
-        }
-    };
-    let before = match i.checked_sub(1) {
-        Some(j) => place(j),
-        None => (i, 0.0),
-    };
-    [before, place(i), place(i + 1)]
+    [i.checked_sub(1), Some(i), Some(i + 1)].map(|j| {
+        let within = j.filter(|j| *j < t.len());
+        within.map_or((i, 0.0), |j| (j, weight(j)))
+    })
 }
 
 /// A thruster that fires.
