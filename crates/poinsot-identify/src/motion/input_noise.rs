@@ -532,7 +532,7 @@ impl InputNoise {
             };
             let mut vector = vec![0.0; self.filter.size];
             for (x, &row) in vector.iter_mut().zip(&self.active) {
-                *x = -now.at_once[c].get(row).copied().unwrap_or_default();
+                *x = -now.at_once[c][row];
             }
             let mut fresh = input.variance;
             // Each later error is the correlated part of the previous one plus an innovation.
@@ -547,7 +547,7 @@ impl InputNoise {
                 fresh = input.variance * (1.0 - errors.memory(first).powi(2));
             }
             for (i, &row) in self.active.iter().enumerate() {
-                let at_once = now.at_once[c].get(row).copied().unwrap_or_default();
+                let at_once = now.at_once[c][row];
                 (self.filter).add_mean(i, -at_once * self.expected_error(c, 0));
             }
             for after in 0..=self.reach {
@@ -567,9 +567,7 @@ impl InputNoise {
                     let mut vector = vec![0.0; self.filter.size];
                     if first == 0 {
                         let reached = vector.iter_mut().zip(&self.active);
-                        let at_once = now.at_once[c];
-                        let once = |row: usize| at_once.get(row).copied().unwrap_or_default();
-                        reached.for_each(|(x, &row)| *x = -once(row) * error.x);
+                        reached.for_each(|(x, &row)| *x = -now.at_once[c][row] * error.x);
                     }
                     for after in first..=self.reach {
                         let at = self.place(c, after as isize);
@@ -611,11 +609,8 @@ impl InputNoise {
         let (lower, pushed_by) = &before.push;
         let ends = before.modes.as_deref().zip(now.modes.as_deref());
         let A = |row: usize, column: usize| match (row, ends) {
-            (STATE.., Some((begin, end))) => {
-                0.5 * (begin.slope(row, column) + end.slope(row, column))
-            }
             (6..STATE, Some((begin, _))) if column >= STATE => begin.slope(row, column),
-            (_, Some((begin, end))) if column >= STATE => {
+            (_, Some((begin, end))) if row.max(column) >= STATE => {
                 0.5 * (begin.slope(row, column) + end.slope(row, column))
             }
             (6.., _) => lower[(row - 6, column)],
