@@ -204,8 +204,21 @@ impl Settings {
     /// # Errors
     /// The first setting out of its range.
     pub fn validate(&self) -> Result<(), Faults> {
+        let mut ranges = self.ranges().into_iter();
+        match ranges.find(|(_, value, holds, _)| !holds || !value.is_finite()) {
+            Some((name, value, _, range)) => Err(refusal::setting(name, value, &range)),
+            None => Ok(()),
+        }
+    }
+
+    /// Every threshold.
+    fn ranges(&self) -> [Range; 20] {
         let (negligible, misfit) = (self.negligible_excess, self.misfit);
-        let all = [
+        let (diagnosis, integration) = (&self.diagnosis, &self.integration);
+        let (least_outliers, most) = (diagnosis.least_outliers, diagnosis.most_outliers);
+        let between =
+            format!("a number above {least_outliers} (diagnosis.least_outliers) and below 1");
+        [
             share("false_alarm", self.false_alarm),
             least("negligible_excess", negligible, 0.0, ""),
             least(
@@ -218,20 +231,29 @@ impl Settings {
             least("rejection", self.rejection, misfit, " (misfit)"),
             above("contradiction_sigmas", self.contradiction_sigmas, 0.0),
             above("sensitivity_sigmas", self.sensitivity_sigmas, 0.0),
-        ];
-        let groups = self
-            .diagnosis
-            .ranges()
-            .into_iter()
-            .chain(self.integration.ranges());
-        let wrong = all
-            .into_iter()
-            .chain(groups)
-            .find(|(_, value, holds, _)| !holds || !value.is_finite());
-        match wrong {
-            Some((name, value, _, range)) => Err(refusal::setting(name, value, &range)),
-            None => Ok(()),
-        }
+            share("diagnosis.false_alarm", diagnosis.false_alarm),
+            above("diagnosis.tied_evidence", diagnosis.tied_evidence, 0.0),
+            above("diagnosis.gross_misfit", diagnosis.gross_misfit, 1.0),
+            share("diagnosis.line_share", diagnosis.line_share),
+            share("diagnosis.driven_share", diagnosis.driven_share),
+            share("diagnosis.least_outliers", least_outliers),
+            (
+                "diagnosis.most_outliers",
+                most,
+                most > least_outliers && most < 1.0,
+                between,
+            ),
+            share("diagnosis.rounding_share", diagnosis.rounding_share),
+            share("diagnosis.predictable_share", diagnosis.predictable_share),
+            above("integration.answer_sigmas", integration.answer_sigmas, 0.0),
+            above(
+                "integration.predictions_sigmas",
+                integration.predictions_sigmas,
+                0.0,
+            ),
+            above("integration.sensitivities", integration.sensitivities, 0.0),
+            above("integration.unidentified", integration.unidentified, 0.0),
+        ]
     }
 
     /// Probability of a difference of more than `contradiction_sigmas` in one number.
@@ -256,44 +278,6 @@ fn least(name: &'static str, value: f64, limit: f64, of: &str) -> Range {
 fn above(name: &'static str, value: f64, limit: f64) -> Range {
     let range = format!("a finite number above {limit}");
     (name, value, value > limit, range)
-}
-
-impl DiagnosisSettings {
-    fn ranges(&self) -> [Range; 9] {
-        let (least, most) = (self.least_outliers, self.most_outliers);
-        let range = format!("a number above {least} (diagnosis.least_outliers) and below 1");
-        [
-            share("diagnosis.false_alarm", self.false_alarm),
-            above("diagnosis.tied_evidence", self.tied_evidence, 0.0),
-            above("diagnosis.gross_misfit", self.gross_misfit, 1.0),
-            share("diagnosis.line_share", self.line_share),
-            share("diagnosis.driven_share", self.driven_share),
-            share("diagnosis.least_outliers", least),
-            (
-                "diagnosis.most_outliers",
-                most,
-                most > least && most < 1.0,
-                range,
-            ),
-            share("diagnosis.rounding_share", self.rounding_share),
-            share("diagnosis.predictable_share", self.predictable_share),
-        ]
-    }
-}
-
-impl IntegrationSettings {
-    fn ranges(&self) -> [Range; 4] {
-        [
-            above("integration.answer_sigmas", self.answer_sigmas, 0.0),
-            above(
-                "integration.predictions_sigmas",
-                self.predictions_sigmas,
-                0.0,
-            ),
-            above("integration.sensitivities", self.sensitivities, 0.0),
-            above("integration.unidentified", self.unidentified, 0.0),
-        ]
-    }
 }
 
 #[cfg(test)]
