@@ -351,15 +351,9 @@ impl Registry<'_> {
             SpringNumber::Rest if slides => (inertia / mass).sqrt(),
             SpringNumber::Rest => 1.0,
         };
-        let what = number.name();
-        let mut entry = entry(
-            kind,
-            (format!("{}.{what}", joint.name), number.unit(slides)),
-            FaultKind::KnownNumber,
-            format!("another {what} of {}", joint.name),
-        );
-        entry.unknown.nominal = *number.of(&mut own.spring.clone());
-        entry.unknown.natural = natural;
+        let nominal = *number.of(&mut own.spring.clone());
+        let name_and_unit = (number.name(), number.unit(slides));
+        let entry = internal(kind, &joint.name, name_and_unit, (nominal, natural));
         Some(entry.asked(joint.spring_unknown.contains(&number)))
     }
 
@@ -382,15 +376,9 @@ impl Registry<'_> {
             ModeNumber::Rotation(_) => (inertia.sqrt(), asked.rotation),
             ModeNumber::InertiaSlope(_) => (inertia.sqrt(), asked.inertia_slope),
         };
-        let what = number.name();
-        let mut entry = entry(
-            kind,
-            (format!("{}.{what}", own.name), number.unit()),
-            FaultKind::KnownNumber,
-            format!("another {what} of {}", own.name),
-        );
-        entry.unknown.nominal = own.mode.get(number);
-        entry.unknown.natural = natural;
+        let nominal = own.mode.get(number);
+        let name_and_unit = (number.name(), number.unit());
+        let entry = internal(kind, &own.name, name_and_unit, (nominal, natural));
         Some(entry.asked(asked))
     }
 
@@ -517,41 +505,40 @@ impl Registry<'_> {
 
     fn of_environment(&self, kind: &UnknownKind, k: usize) -> Option<Entry> {
         let around = &self.model.environment;
-        let along = |what: &str| AXES.get(k).map(|axis| format!("{what}_{axis}"));
-        let torque = |what: &str, unit, fault, hypothesis: &str| {
-            let number = (along(what)?, unit);
-            Some(entry(kind, number, fault, hypothesis.to_owned()))
-        };
-        let tensor = |what: &str, unit, fault, hypothesis: &str| {
-            let number = (format!("{what}_{}", k + 1), unit);
+        let of = |what: &str, unit, fault, hypothesis: &str| {
+            let end = match kind {
+                UnknownKind::GravityGradient(_) | UnknownKind::Tide(_) => (k + 1).to_string(),
+                _ => (*AXES.get(k)?).to_owned(),
+            };
+            let number = (format!("{what}_{end}"), unit);
             Some(entry(kind, number, fault, hypothesis.to_owned()))
         };
         match kind {
             UnknownKind::DisturbanceTorque(_) => {
                 let hypothesis = "a constant external torque";
-                let own = torque("environment.torque", "N m", FaultKind::Torque, hypothesis)?;
+                let own = of("environment.torque", "N m", FaultKind::Torque, hypothesis)?;
                 Some(own.declare(around.disturbance_torque))
             }
             UnknownKind::InertialTorque(_) => {
                 let (name, fault) = ("environment.torque_inertial", FaultKind::MomentumDrift);
-                let own = torque(name, "N m", fault, "a drift of the angular momentum")?;
+                let own = of(name, "N m", fault, "a drift of the angular momentum")?;
                 Some(own.declare(around.disturbance_torque_inertial))
             }
             UnknownKind::DragTorque(_) => {
-                let own = torque("environment.drag", "kg m2", FaultKind::Drag, "drag")?;
+                let own = of("environment.drag", "kg m2", FaultKind::Drag, "drag")?;
                 Some(own.declare(around.drag_torque))
             }
             UnknownKind::InertialForce(_) => {
                 let hypothesis = "a drift of the linear momentum";
-                torque("drift.force", "N", FaultKind::ForceDrift, hypothesis)
+                of("drift.force", "N", FaultKind::ForceDrift, hypothesis)
             }
             UnknownKind::GravityGradient(_) => {
                 let unit = if k < GRADIENT { "1/s2" } else { "1/s3" };
                 let (name, fault) = ("gravity_gradient.tensor", FaultKind::GravityGradient);
-                tensor(name, unit, fault, "the gravity gradient")
+                of(name, unit, fault, "the gravity gradient")
             }
-            _ if k < GRADIENT => tensor("tide.gradient", "1/s2", FaultKind::Tide, "a tide"),
-            _ => tensor("tide.acceleration", "m/s2", FaultKind::Tide, "a tide"),
+            _ if k < GRADIENT => of("tide.gradient", "1/s2", FaultKind::Tide, "a tide"),
+            _ => of("tide.acceleration", "m/s2", FaultKind::Tide, "a tide"),
         }
     }
 
@@ -643,31 +630,26 @@ impl Registry<'_> {
     fn input_errors(&self, kind: SensorKind, of: &[usize]) -> Vec<Vec<UnknownKind>> {
         let joints = self.read_joints();
         let joints = joints.filter(|k| of.contains(&self.tree.coordinates[*k]));
-        let mut all = Vec::new();
-        let each = |kind: fn(usize) -> UnknownKind| joints.clone().map(move |k| vec![kind(k)]);
-        for key in kind.unknown_errors().iter().filter(|_| kind.is_scalar()) {
-            match (kind, key) {
-                (SensorKind::JointPosition, ErrorKey::Bias) => {
-                    all.extend(each(UnknownKind::JointOffset));
-                }
-                (SensorKind::JointPosition, ErrorKey::Scale) => {
-                    all.extend(each(UnknownKind::JointScale));
-                }
-                (SensorKind::JointPosition, _) => {
-                    all.push(vec![UnknownKind::JointLag(joints.clone().collect())]);
-                }
-                (SensorKind::JointRate, ErrorKey::Bias) => {
-                    all.extend(each(UnknownKind::JointRateBias));
-                }
-                (SensorKind::JointRate, _) => all.extend(each(UnknownKind::JointRateScale)),
-                (SensorKind::WheelSpeed, ErrorKey::Bias) => {
-                    all.extend(of.iter().map(|k| vec![UnknownKind::WheelSpeedBias(*k)]));
-                }
-                (SensorKind::WheelSpeed, _) => all.push(vec![UnknownKind::WheelLag(of.to_vec())]),
-                _ => all.push(vec![UnknownKind::ThrusterLag(of.to_vec())]),
-            }
-        }
-        all
+        let read: Vec<usize> = match kind {
+            SensorKind::JointPosition | SensorKind::JointRate => joints.collect(),
+            _ => of.to_vec(),
+        };
+        let each = |error: fn(usize) -> UnknownKind| -> Vec<Vec<UnknownKind>> {
+            read.iter().map(|k| vec![error(*k)]).collect()
+        };
+        let lag = |error: fn(Vec<usize>) -> UnknownKind| vec![vec![error(read.clone())]];
+        let of_key = |key: &ErrorKey| match (kind, key) {
+            (SensorKind::JointPosition, ErrorKey::Bias) => each(UnknownKind::JointOffset),
+            (SensorKind::JointPosition, ErrorKey::Scale) => each(UnknownKind::JointScale),
+            (SensorKind::JointPosition, _) => lag(UnknownKind::JointLag),
+            (SensorKind::JointRate, ErrorKey::Bias) => each(UnknownKind::JointRateBias),
+            (SensorKind::JointRate, _) => each(UnknownKind::JointRateScale),
+            (SensorKind::WheelSpeed, ErrorKey::Bias) => each(UnknownKind::WheelSpeedBias),
+            (SensorKind::WheelSpeed, _) => lag(UnknownKind::WheelLag),
+            _ => lag(UnknownKind::ThrusterLag),
+        };
+        let keys = kind.unknown_errors().iter().filter(|_| kind.is_scalar());
+        keys.flat_map(of_key).collect()
     }
 }
 
@@ -691,6 +673,20 @@ fn entry(
         hypothesis,
         number: None,
     }
+}
+
+/// A number of a mode or a spring.
+fn internal(
+    kind: &UnknownKind,
+    owner: &str,
+    (what, unit): (impl std::fmt::Display, &'static str),
+    (nominal, natural): (f64, f64),
+) -> Entry {
+    let number = (format!("{owner}.{what}"), unit);
+    let hypothesis = format!("another {what} of {owner}");
+    let mut own = entry(kind, number, FaultKind::KnownNumber, hypothesis);
+    (own.unknown.nominal, own.unknown.natural) = (nominal, natural);
+    own
 }
 
 fn declared(sensor: Option<&Sensor>, key: ErrorKey) -> Nuisance {
