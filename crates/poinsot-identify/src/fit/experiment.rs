@@ -335,12 +335,9 @@ impl<'a> Experiment<'a> {
     /// weight of the experiment.
     pub fn stack(&self, at: &Iterate, evaluated: &[Evaluated], with_design: bool) -> Triangle {
         let mut stacked = BlockQr::new(self.parameters.len() + 1);
-        for (one, unknown) in evaluated.iter().zip(&self.unknown) {
-            if let Some(triangle) = &one.triangle {
-                let h = unknown.count();
-                let tail = triangle.r.nrows() - h;
-                stacked.push(tail, |i, j| triangle.r[(h + i, h + j)]);
-            }
+        for (triangle, h) in self.triangles(evaluated) {
+            let tail = triangle.r.nrows() - h;
+            stacked.push(tail, |i, j| triangle.r[(h + i, h + j)]);
         }
         let priors = self.prior_rows(at, with_design);
         let root = self.weight.sqrt();
@@ -397,9 +394,17 @@ impl<'a> Experiment<'a> {
 
     /// Length of the longest column of a mass property before projection, natural units.
     pub(crate) fn longest_column(&self, evaluated: &[Evaluated]) -> f64 {
+        let segments: Vec<_> = self.triangles(evaluated).collect();
+        longest_column(self.parameters, &segments)
+    }
+
+    /// The triangle of each segment that has one, and how many of its columns are of the start.
+    pub fn triangles<'e>(
+        &'e self,
+        evaluated: &'e [Evaluated],
+    ) -> impl Iterator<Item = (&'e Triangle, usize)> {
         let segments = evaluated.iter().zip(&self.unknown);
-        let heads = segments.filter_map(|(e, own)| Some((e.triangle.as_ref()?, own.count())));
-        longest_column(self.parameters, &heads.collect::<Vec<_>>())
+        segments.filter_map(|(e, own)| Some((e.triangle.as_ref()?, own.count())))
     }
 
     /// Start of a segment from its first sample and the momentum that the vehicle has at `x` then.

@@ -378,16 +378,12 @@ pub(crate) fn predicted_decrease(
 
 /// The part of pose and momentum.
 fn initial_state_decrease(experiment: &Experiment, linearisation: &Linearisation) -> f64 {
-    linearisation
-        .evaluated
-        .iter()
-        .zip(&experiment.unknown)
-        .filter_map(|(e, unknown)| e.triangle.as_ref().map(|t| (t, unknown.count())))
-        .map(|(t, h)| {
-            let last = t.r.ncols() - 1;
-            (0..h).map(|i| t.r[(i, last)].powi(2)).sum::<f64>()
-        })
-        .sum()
+    let square = |(t, h): (&Triangle, usize)| -> f64 {
+        let last = t.r.ncols() - 1;
+        (0..h).map(|i| t.r[(i, last)].powi(2)).sum()
+    };
+    let segments = experiment.triangles(&linearisation.evaluated);
+    segments.map(square).sum()
 }
 
 /// The iterate after a step of the mass properties: biases and initial states follow.
