@@ -447,19 +447,15 @@ fn about_mass_centre(
     let ten = TenParameters::of_system(parameters, &kinematics, x);
     let centre = [0, 1, 2].map(|k| ten.mass_centre(k));
     let R = s.R_NB.first().copied().unwrap_or_default();
-    let c = R * Vector3::new(centre[0].value, centre[1].value, centre[2].value);
+    let c = R * Vector3::from_fn(|k, _| centre[k].value);
     let P = linear.value;
     angular.value -= c.cross(&P);
     let cross = skew(&c);
     angular.own += cross * linear.own * cross.transpose();
     for u in 0..x.len() {
-        let column = |g: &[Vec<f64>; 3]| Vector3::new(g[0][u], g[1][u], g[2][u]);
-        let dc = R * Vector3::new(
-            centre[0].gradient[u],
-            centre[1].gradient[u],
-            centre[2].gradient[u],
-        );
-        let step = dc.cross(&P) + c.cross(&column(&linear.gradient));
+        let dP = Vector3::from_fn(|k, _| linear.gradient[k][u]);
+        let dc = R * Vector3::from_fn(|k, _| centre[k].gradient[u]);
+        let step = dc.cross(&P) + c.cross(&dP);
         for k in 0..3 {
             angular.gradient[k][u] -= step[k];
         }
