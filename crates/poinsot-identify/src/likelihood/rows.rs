@@ -123,22 +123,14 @@ impl<'a> Rows<'a> {
         let s = &self.segment.samples;
         let inverse = s.R_NB[k].inverse();
         let p = position(s, k);
-        for (axis, known) in [
-            self.start.linear == MomentumKnowledge::Estimate,
-            self.start.angular == MomentumKnowledge::Estimate,
-        ]
-        .into_iter()
-        .enumerate()
-        {
-            for e in basis().iter().filter(|_| known) {
-                let (P, H) = if axis == 0 {
-                    (*e, Vector3::zeros())
-                } else {
-                    (Vector3::zeros(), *e)
-                };
-                let (l, h) = shift_to_body(&s.R_NB[k], &p, &P, &H);
-                self.columns.push(stack(&-l, &-h));
-            }
+        let zero = Vector3::zeros();
+        let unknown = |of: MomentumKnowledge| of == MomentumKnowledge::Estimate;
+        let linear = basis().into_iter().filter(|_| unknown(self.start.linear));
+        let angular = basis().into_iter().filter(|_| unknown(self.start.angular));
+        let all = linear.map(|e| (e, zero)).chain(angular.map(|e| (zero, e)));
+        for (P, H) in all {
+            let (l, h) = shift_to_body(&s.R_NB[k], &p, &P, &H);
+            self.columns.push(stack(&-l, &-h));
         }
         momentum_regressor(&self.kinematics, &mut self.regressor);
         let speeds = self.speeds(k);
@@ -226,10 +218,7 @@ impl<'a> Rows<'a> {
                 self.joints.clear();
                 self.joints.resize(dof, 0.0);
                 self.joints[j] = 1.0;
-                self.unit.R.clone_from(&self.kinematics.R);
-                self.unit.p.clone_from(&self.kinematics.p);
-                let zero = Vector3::zeros();
-                self.unit.set_velocities(tree, &zero, &zero, &self.joints);
+                self.set_unit(&Vector3::zeros(), &Vector3::zeros());
                 let d = momentum(nominal, &self.unit);
                 C += d * d.transpose() * noise.joint_rate[j];
             }
@@ -252,6 +241,14 @@ impl<'a> Rows<'a> {
         let mut block = C.fixed_view_mut::<3, 3>(3, 3);
         block += self.wheel_covariance();
         C
+    }
+
+    /// The bodies where they are, at other velocities of the base and at rates of the joints in hand.
+    fn set_unit(&mut self, v: &Vector3, w: &Vector3) {
+        self.unit.R.clone_from(&self.kinematics.R);
+        self.unit.p.clone_from(&self.kinematics.p);
+        self.unit
+            .set_velocities(self.setting.tree, v, w, &self.joints);
     }
 
     fn wheel_covariance(&self) -> Matrix3 {
@@ -388,9 +385,7 @@ impl<'a> Rows<'a> {
             return;
         }
         let setting = self.setting;
-        self.unit.R.clone_from(&self.kinematics.R);
-        self.unit.p.clone_from(&self.kinematics.p);
-        self.unit.set_velocities(setting.tree, v, w, &self.joints);
+        self.set_unit(v, w);
         momentum_regressor(&self.unit, &mut self.regressor);
         self.columns.clear();
         for unknown in &setting.parameters.unknowns {
