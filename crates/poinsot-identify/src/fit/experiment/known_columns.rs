@@ -136,10 +136,26 @@ pub(crate) fn twin(
         KnownNumber::WheelAxis(k) => UnknownKind::WheelTilt(k, component),
         KnownNumber::Force(k) => UnknownKind::ThrusterScale(k),
         KnownNumber::ForceDirection(k) | KnownNumber::ForcePosition(k) => {
-            thruster_slopes((problem.model, nominal), k, shift)?
+            let [direction_B, p_BoT_B] = place_slopes((problem.model, nominal), shift, |model| {
+                let t = model.thrusters.get(k)?;
+                Some([t.direction_B, t.p_BoT_B])
+            })?;
+            UnknownKind::ThrusterPlace {
+                thruster: k,
+                direction_B,
+                p_BoT_B,
+            }
         }
         KnownNumber::JointOrigin(k) | KnownNumber::JointAxis(k) => {
-            joint_slopes((problem.model, nominal), k, shift)?
+            let [p_PoCo_P, axis_C] = place_slopes((problem.model, nominal), shift, |model| {
+                let j = model.joints.get(k)?;
+                Some([j.p_PoCo_P, j.axis_C])
+            })?;
+            UnknownKind::JointPlace {
+                link: problem.model.joints.get(k)?.child,
+                p_PoCo_P,
+                axis_C,
+            }
         }
         KnownNumber::SpecificImpulse(k) | KnownNumber::PropellantPlace(k) => {
             let thruster = problem.model.thrusters.get(k)?;
@@ -177,32 +193,6 @@ pub(crate) fn twin(
         natural: 1.0,
     };
     Some((unknown, factor))
-}
-
-/// How a known number moves a thruster.
-fn thruster_slopes(models: (&Model, &Model), thruster: usize, shift: Shift) -> Option<UnknownKind> {
-    let [direction_B, p_BoT_B] = place_slopes(models, shift, |model| {
-        let t = model.thrusters.get(thruster)?;
-        Some([t.direction_B, t.p_BoT_B])
-    })?;
-    Some(UnknownKind::ThrusterPlace {
-        thruster,
-        direction_B,
-        p_BoT_B,
-    })
-}
-
-/// How a known number moves a joint.
-fn joint_slopes(models: (&Model, &Model), joint: usize, shift: Shift) -> Option<UnknownKind> {
-    let [p_PoCo_P, axis_C] = place_slopes(models, shift, |model| {
-        let j = model.joints.get(joint)?;
-        Some([j.p_PoCo_P, j.axis_C])
-    })?;
-    Some(UnknownKind::JointPlace {
-        link: models.0.joints.get(joint)?.child,
-        p_PoCo_P,
-        axis_C,
-    })
 }
 
 /// How a known number moves a position and a direction of a part. Turns are about directions of the `nominal` vehicle.
