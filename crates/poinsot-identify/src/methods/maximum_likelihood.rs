@@ -109,21 +109,18 @@ pub(super) fn solve_from(
     experiment.settings = settings;
     let start = near.or_else(|| linear.as_ref().map(|solution| solution.point(&experiment)));
 
-    // The alternatives of what inputs do between their samples, each from the end of the best one before it.
+    // The alternatives of what inputs do between their samples, each fitted from the end of the best one before it.
     let explains = |fitted: &Fitted| consistent(&fitted.evaluated, &settings);
-    let first = least(
-        &experiment,
-        fit(&experiment, start.as_ref())?,
-        start.as_ref(),
-    );
+    let first = fit(&experiment, start.as_ref())?;
+    let first = least(&experiment, first, start.as_ref());
     let best = AlternativeFit::new(experiment, first).or_smooth_wheels();
-    let process = best.wheel_process(explains);
-    let driven = process.as_ref().map(|process| process.problem(problem));
     let mut plain = PlainFit {
         wheels: best.experiment.wheels,
         replaced: false,
         chance: chance(&best.fitted.evaluated, &settings),
     };
+    let process = best.wheel_process(explains);
+    let driven = process.as_ref().map(|process| process.problem(problem));
     let best = best.or_random_torque(driven.as_ref(), explains);
     let (smooth, fitted) = (best.smoothed(explains, start.as_ref()))
         .map(|s| (s.segments, s.fitted))
@@ -137,7 +134,7 @@ pub(super) fn solve_from(
     }
     let (best, step_error) = best.within_steps();
 
-    // The known numbers within their uncertainty, and what explains a misfit.
+    // The known numbers within their uncertainty, what explains a misfit, and the certificate.
     let known = fit_known(&best.experiment, &best.fitted);
     let wide = known
         .as_ref()
@@ -151,31 +148,17 @@ pub(super) fn solve_from(
         _ => Causes::of(experiment, fitted),
     };
     let causes = causes.and_of_known_numbers(known.as_ref());
-
-    tracing::info!(target: "poinsot::progress", stage = "finding what the data determine");
-    // The certificate: what the data determine, and along which paths all predictions are equal.
     let explained = match &linear {
         Some(solution) => solution.explained,
         None => (!proportional(problem)).then_some(1.0),
     };
-    let mut solution = conclude(experiment, fitted, explained, causes.diagnostics);
-    let (spectrum, curved) = profiled(experiment, fitted, solution.spectrum);
-    solution.spectrum = spectrum;
-    if curved > 0 {
-        solution.remarks.push(by_profile(curved));
-    }
-    solution.unobservable_set = unobservable_set(experiment, &fitted.at, &solution);
+    let mut solution = certified(experiment, fitted, explained, causes.diagnostics);
 
-    // What the answer owes to its assumptions.
+    // The answer, with what it owes to its assumptions.
     let records = solution.fit.iter_mut().zip(problem.segments);
     records.for_each(|(fit, own)| fit.samples = own.observations.time_s.len());
-    let approximate = approximate(best.experiment.problem);
-    let sensitivities = sensitivities(&best, &solution, step_error);
-    let assumptions = best.assumptions(problem);
-    let said = approximate.map(Remark::warning).into_iter();
-    let said = said.chain(sensitivities);
-    let said = said.chain(assumptions.into_iter().map(Remark::assumption));
-    solution.remarks.extend(said);
+    let owed = owed(&best, problem, &solution, step_error);
+    solution.remarks.extend(owed);
     if let Some(own) = &mut solution.likelihood {
         (own.prior_tests, own.conflict) = (causes.prior_tests, causes.conflict);
         own.diagnostics.shift_between_readings = best.shift;
@@ -185,16 +168,47 @@ pub(super) fn solve_from(
     let (taken, x) = (best.experiment.problem, &fitted.at.x);
     let of_known = |_| ShiftedVehicle::at(taken, &solution.parameters, x);
     let shifted = known.as_ref().and_then(of_known);
-    let at = fitted.at.clone();
     plain.replaced = best.is_random();
     Ok(FinishedFit {
         solution,
-        at,
+        at: fitted.at.clone(),
         shifted,
         cost: best.experiment.cost_of(&best.fitted),
         plain,
         segments: smooth.or(process.filter(|_| plain.replaced).map(|p| p.segments)),
     })
+}
+
+/// The solution with its certificate: what the data determine, and along which paths all predictions are equal.
+fn certified(
+    experiment: &Experiment,
+    fitted: &Fitted,
+    explained: Option<f64>,
+    found: Diagnostics,
+) -> Solution {
+    tracing::info!(target: "poinsot::progress", stage = "finding what the data determine");
+    let mut solution = conclude(experiment, fitted, explained, found);
+    let (spectrum, curved) = profiled(experiment, fitted, solution.spectrum);
+    solution.spectrum = spectrum;
+    if curved > 0 {
+        solution.remarks.push(by_profile(curved));
+    }
+    solution.unobservable_set = unobservable_set(experiment, &fitted.at, &solution);
+    solution
+}
+
+/// What an answer owes to its assumptions.
+fn owed(
+    best: &AlternativeFit,
+    problem: &Problem,
+    solution: &Solution,
+    step_error: Option<StepError>,
+) -> Vec<Remark> {
+    let approximate = approximate(best.experiment.problem).map(Remark::warning);
+    let sensitivities = sensitivities(best, solution, step_error);
+    let assumptions = best.assumptions(problem).into_iter();
+    let all = approximate.into_iter().chain(sensitivities);
+    all.chain(assumptions.map(Remark::assumption)).collect()
 }
 
 /// The unknowns, and the linear solution in them where there is one.
@@ -355,8 +369,7 @@ pub(crate) fn proportional(problem: &Problem) -> bool {
         .iter()
         .any(|b| b.estimate != EstimateSet::ALL && b.nominal.mass > 0.0);
     let known_wheel = model.wheels.iter().any(|w| !w.estimate);
-    let fires = problem.segments.iter().any(|s| !s.firings.is_empty());
-    !known_body && !known_wheel && !fires
+    !known_body && !known_wheel && !problem.fires()
 }
 
 pub(crate) fn conclude(
