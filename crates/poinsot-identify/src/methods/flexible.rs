@@ -180,7 +180,7 @@ struct Seen {
 
 /// The search for modes of a vehicle.
 struct Search<'a> {
-    /// With the records as the rigid fit took them.
+    /// With the records as the rigid fit with the plain motion of the wheels took them.
     problem: Problem<'a>,
     settings: Settings,
     wheels: BetweenSamples,
@@ -188,19 +188,12 @@ struct Search<'a> {
 
 impl<'a> Search<'a> {
     fn new(problem: &Problem<'a>, settings: Settings, rigid: &'a FinishedFit) -> Self {
-        let taken = rigid.segments.as_deref().unwrap_or(problem.segments);
-        let own = rigid.solution.likelihood.as_ref();
-        let (segments, wheels) = match rigid.plain.replaced {
-            true => (problem.segments, rigid.plain.wheels),
-            false => (
-                taken,
-                own.map_or_else(BetweenSamples::default, |own| own.wheels),
-            ),
-        };
+        let taken = rigid.segments.as_deref();
+        let taken = taken.filter(|_| !rigid.plain.replaced);
         Self {
-            problem: problem.with_segments(segments),
+            problem: problem.with_segments(taken.unwrap_or(problem.segments)),
             settings,
-            wheels,
+            wheels: rigid.plain.wheels,
         }
     }
 
