@@ -268,7 +268,7 @@ impl<'a> Evaluator<'a> {
                     residuals.raw.push(row.raw);
                     residuals.white.push(row.white);
                     deviance += row.log_det + channel.numbers as f64 * std::f64::consts::TAU.ln();
-                    row.rows.iter().for_each(|r| rows.push(r, place));
+                    rows.push_all(&row.rows, place);
                 }
                 sensors.push(residuals);
             }
@@ -278,14 +278,20 @@ impl<'a> Evaluator<'a> {
             // A weak prior of an unmeasured initial state is no measurement.
             for row in one.kept.of(None) {
                 deviance -= row.white.norm_squared();
-                row.rows.iter().for_each(|r| rows.push(r, place));
+                rows.push_all(&row.rows, place);
             }
         }
         let calibration = prior::calibration(&self.problem, &self.parameters, x).rows;
         let design = prior::design(&self.problem, &self.parameters, x);
         let design = design.ok_or_else(no_motion)?.rows;
+        let shared = SegmentColumns {
+            first: 0,
+            count: 0,
+            shared: initial_states.len(),
+            turn: None,
+        };
         for row in calibration.iter().chain(&design) {
-            rows.push_prior(&row.gradient, row.residual, initial_states.len());
+            rows.push((&row.gradient, row.residual), &shared);
         }
         Ok(rows.evaluation(sensors, -0.5 * deviance, readings))
     }
@@ -316,13 +322,16 @@ impl Rows {
         }
     }
 
-    /// A row of a segment: slopes of the prediction over its own start and the shared unknowns, then the residual.
-    fn push(&mut self, row: &[f64], place: &SegmentColumns) {
+    /// Rows of a reading: slopes of the prediction over the start of its segment and the shared unknowns, then the residual.
+    fn push_all(&mut self, rows: &[Vec<f64>], place: &SegmentColumns) {
+        for (residual, slopes) in rows.iter().filter_map(|row| row.split_last()) {
+            self.push((slopes, *residual), place);
+        }
+    }
+
+    fn push(&mut self, (slopes, residual): (&[f64], f64), place: &SegmentColumns) {
         let at = self.slopes.len();
         self.slopes.resize(at + self.width, 0.0);
-        let Some((residual, slopes)) = row.split_last() else {
-            return;
-        };
         let (own, shared) = slopes.split_at(place.count);
         let target = &mut self.slopes[at..];
         // The residual is measured less predicted.
@@ -335,15 +344,6 @@ impl Rows {
             target[place.first..place.first + 3].copy_from_slice(turned.as_slice());
         }
         for (to, from) in target[place.shared..].iter_mut().zip(shared) {
-            *to = -from;
-        }
-        self.residuals.push(*residual);
-    }
-
-    fn push_prior(&mut self, gradient: &[f64], residual: f64, shared: usize) {
-        let at = self.slopes.len();
-        self.slopes.resize(at + self.width, 0.0);
-        for (to, from) in self.slopes[at + shared..].iter_mut().zip(gradient) {
             *to = -from;
         }
         self.residuals.push(residual);
