@@ -247,8 +247,8 @@ impl<'a> AlternativeFit<'a> {
     }
 
     /// What is assumed of the inputs of a problem, and what the choice adds to the sigmas.
-    pub fn assumptions(&self, problem: &Problem) -> Vec<String> {
-        let between = problem.assumes_wheel_motion().then(|| {
+    pub fn assumption(&self, problem: &Problem) -> Option<String> {
+        problem.assumes_wheel_motion().then(|| {
             let noted = self.other.as_ref().filter(|o| o.added > NOTED_SHARE);
             let choice = noted.map_or(String::new(), |o| {
                 format!(
@@ -258,8 +258,7 @@ impl<'a> AlternativeFit<'a> {
                 )
             });
             format!("{}{choice}", self.experiment.wheels.words())
-        });
-        between.into_iter().collect()
+        })
     }
 }
 

@@ -206,9 +206,9 @@ fn owed(
 ) -> Vec<Remark> {
     let approximate = approximate(best.experiment.problem).map(Remark::warning);
     let sensitivities = sensitivities(best, solution, step_error);
-    let assumptions = best.assumptions(problem).into_iter();
+    let assumption = best.assumption(problem).map(Remark::assumption);
     let all = approximate.into_iter().chain(sensitivities);
-    all.chain(assumptions.map(Remark::assumption)).collect()
+    all.chain(assumption).collect()
 }
 
 /// The unknowns, and the linear solution in them where there is one.
