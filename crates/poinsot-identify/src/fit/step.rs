@@ -245,7 +245,7 @@ impl Experiment<'_> {
             }
         };
         let pairs = linearisation.evaluated.iter().zip(&self.unknown);
-        let held: Vec<Evaluated> = pairs.clone().map(start).collect();
+        let held: Vec<Evaluated> = pairs.map(start).collect();
         let mut shared = SharedTriangle::new(self.parameters, &self.stack(at, &held, true));
         shared.held.clone_from(&plain.held);
         let shared = shared.damped(&units(lengths), damping);
@@ -255,17 +255,13 @@ impl Experiment<'_> {
         let mass: Vec<f64> = step.iter().zip(natural).map(|(z, unit)| z * unit).collect();
         let nuisances = shared.nuisances_for(&mass);
         let dx: Vec<f64> = mass.iter().chain(&nuisances).copied().collect();
-        let of_start =
-            |((one, unknown), held): ((&Evaluated, &InitialStateColumns), &Evaluated)| {
-                let (t, damped, h) = (
-                    one.triangle.as_ref()?,
-                    held.triangle.as_ref()?,
-                    unknown.count(),
-                );
-                let start = conditional_estimate(&damped.r, h, &dx).mean;
-                Some(lowered(&t.r, h, start.iter().chain(&dx)))
-            };
-        let of_starts: f64 = pairs.zip(&held).filter_map(of_start).sum();
+        let of_start = |((t, h), (damped, _)): ((&Triangle, usize), (&Triangle, usize))| {
+            let start = conditional_estimate(&damped.r, h, &dx).mean;
+            lowered(&t.r, h, start.iter().chain(&dx))
+        };
+        let plain_ones = self.triangles(&linearisation.evaluated);
+        let both = plain_ones.zip(self.triangles(&held));
+        let of_starts: f64 = both.map(of_start).sum();
         Some(Step {
             to: moved(self, at, (&held, &shared, natural), &step),
             predicted_reduction: of_starts + plain.lowered(&nuisances, &mass),
@@ -372,18 +368,13 @@ pub(crate) fn predicted_decrease(
     linearisation: &Linearisation,
     lowered: f64,
 ) -> f64 {
-    let shared = &linearisation.shared;
-    initial_state_decrease(experiment, linearisation) + shared.lowered_by_nuisances() + lowered
-}
-
-/// The part of pose and momentum.
-fn initial_state_decrease(experiment: &Experiment, linearisation: &Linearisation) -> f64 {
     let square = |(t, h): (&Triangle, usize)| -> f64 {
         let last = t.r.ncols() - 1;
         (0..h).map(|i| t.r[(i, last)].powi(2)).sum()
     };
     let segments = experiment.triangles(&linearisation.evaluated);
-    segments.map(square).sum()
+    let of_starts: f64 = segments.map(square).sum();
+    of_starts + linearisation.shared.lowered_by_nuisances() + lowered
 }
 
 /// The iterate after a step of the mass properties: biases and initial states follow.

@@ -203,12 +203,11 @@ fn difference(coarse: &[Evaluated], fine: &[Evaluated]) -> f64 {
 /// `|Q^T e|`: pose, momentum and nuisances, then the mass properties that the data determine.
 fn shift(experiment: &Experiment, coarse: &Fitted, fine: &Linearised<Linearisation>) -> f64 {
     let fine = &fine.rows;
-    let pairs = coarse.evaluated.iter().zip(&fine.evaluated);
-    let initial_states: f64 = pairs
-        .zip(&experiment.unknown)
-        .filter_map(|((a, b), unknown)| Some((a.triangle.as_ref()?, b.triangle.as_ref()?, unknown)))
-        .map(|(a, b, unknown)| {
-            let rows = rhs_change(&a.r, &b.r, 0..unknown.count());
+    let [a, b] = [&coarse.evaluated, &fine.evaluated].map(|all| experiment.triangles(all));
+    let initial_states: f64 = a
+        .zip(b)
+        .map(|((a, h), (b, _))| {
+            let rows = rhs_change(&a.r, &b.r, 0..h);
             rows.iter().map(|d| d * d).sum::<f64>()
         })
         .sum();
