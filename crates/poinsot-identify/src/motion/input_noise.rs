@@ -422,16 +422,9 @@ impl InputNoise {
     ) {
         let R = matrix(&state.R_NB);
         self.twists.fill(Vector6::zeros());
-        let DynamicsJacobian {
-            pose,
-            modes,
-            at_once,
-            drive,
-            push,
-        } = out;
-        at_once.clear();
-        drive.clear();
-        push.1.clear();
+        out.at_once.clear();
+        out.drive.clear();
+        out.push.1.clear();
         for (c, input) in self.inputs.iter().enumerate() {
             let at = (state, instant);
             let (position, rate) = match input.of {
@@ -451,14 +444,14 @@ impl InputNoise {
                     (motion.followed(at, &gain, None), none)
                 }
                 Input::Slope(_) => {
-                    at_once.push(Column::zeros());
-                    drive.extend_from_within(c - 1..c);
+                    out.at_once.push(Column::zeros());
+                    out.drive.extend_from_within(c - 1..c);
                     continue;
                 }
                 Input::Step | Input::Acceleration(_) | Input::Rate(_) => {
                     // Positions alone drive: an interval's mean rate is that of its ends.
-                    at_once.push(Column::zeros());
-                    drive.push(Column::zeros());
+                    out.at_once.push(Column::zeros());
+                    out.drive.push(Column::zeros());
                     if let Input::Rate(j) = input.of {
                         let at = self.place(c, 0);
                         self.twists[at] = self.rate_gain[j];
@@ -479,18 +472,18 @@ impl InputNoise {
             let (once, mut slow) = (column(&rate), column(&position));
             if rate.twist != Vector6::zeros() {
                 // Only attitude, place and internal state follow at once.
-                let turned = pose.fixed_view::<6, 6>(0, 0) * pose_of(&once);
+                let turned = out.pose.fixed_view::<6, 6>(0, 0) * pose_of(&once);
                 slow.fixed_rows_mut::<6>(0)
                     .zip_apply(&turned, |a, b| *a += b);
-                if let Some(modes) = modes {
+                if let Some(modes) = &out.modes {
                     add_internal(modes, &once, &mut slow);
                 }
             }
-            at_once.push(once);
-            drive.push(slow);
+            out.at_once.push(once);
+            out.drive.push(slow);
         }
         if self.active.len() > 6 || self.active.contains(&9) {
-            self.push_slopes(motion, (state, k), instant, map, push);
+            self.push_slopes(motion, (state, k), instant, map, &mut out.push);
         }
     }
 
@@ -616,14 +609,9 @@ impl InputNoise {
             (6.., _) => lower[(row - 6, column)],
             _ => pose[(row, column)],
         };
-        let StepScratch {
-            mut upper,
-            mut fresh,
-            mut torque,
-            rows,
-            jacobian,
-        } = std::mem::take(&mut self.scratch);
-        self.scratch.rows = rows;
+        let mut upper = std::mem::take(&mut self.scratch.upper);
+        let mut fresh = std::mem::take(&mut self.scratch.fresh);
+        let mut torque = std::mem::take(&mut self.scratch.torque);
         // Rows of the active components; the errors of the inputs only fade.
         upper.clear();
         upper.resize(n * stride, 0.0);
@@ -678,13 +666,9 @@ impl InputNoise {
         self.renew_slow(|slow| slow.fresh(h));
         self.innovate(&fresh, h, k - 1 + self.reach);
         self.renew(&torque);
-        self.scratch = StepScratch {
-            upper,
-            fresh,
-            torque,
-            rows: std::mem::take(&mut self.scratch.rows),
-            jacobian,
-        };
+        self.scratch.upper = upper;
+        self.scratch.fresh = fresh;
+        self.scratch.torque = torque;
     }
 
     /// What stays of the active components after an interval.
