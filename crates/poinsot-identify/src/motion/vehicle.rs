@@ -102,6 +102,8 @@ impl<'a> Vehicle<'a> {
                 _ => {}
             }
         }
+        let kinds = parameters.unknowns.iter().map(|u| u.kind.clone());
+        let kinds: Vec<UnknownKind> = kinds.collect();
         let mut vehicle = Self {
             tree,
             thrusters,
@@ -113,17 +115,11 @@ impl<'a> Vehicle<'a> {
             thrust_factor,
             slopes: parameters.slopes(x),
             moved_bodies: Vec::new(),
-            kinds: parameters.unknowns.iter().map(|u| u.kind.clone()).collect(),
-            moving: parameters
-                .unknowns
-                .iter()
-                .map(|u| !u.kind.is_of_sensor())
+            moving: kinds.iter().map(|k| !k.is_of_sensor()).collect(),
+            unknown_wrenches: (0..kinds.len())
+                .filter(|u| kinds[*u].is_external_wrench())
                 .collect(),
-            unknown_wrenches: {
-                let kinds = parameters.unknowns.iter().enumerate();
-                let outside = kinds.filter(|(_, u)| u.kind.is_external_wrench());
-                outside.map(|(unknown, _)| unknown).collect()
-            },
+            kinds,
             torque_B,
             torque_N,
             drag,
