@@ -100,12 +100,8 @@ impl Motion<'_> {
             .map(|(sum, factor)| sum * factor);
         input_state.impulse.extend(true_impulse);
         input_state.bodies.clone_from(&v.bodies);
-        for ((thruster, propellant), impulse) in v
-            .thrusters
-            .iter()
-            .zip(&v.propellant)
-            .zip(&input_state.impulse)
-        {
+        let used = v.thrusters.iter().zip(&v.propellant);
+        for ((thruster, propellant), impulse) in used.zip(&input_state.impulse) {
             if let Some(propellant) = propellant {
                 let body = &mut input_state.bodies[thruster.body];
                 *body = body.with_added(-impulse, &propellant.loss());
