@@ -404,22 +404,13 @@ impl Registry<'_> {
 
     fn of_propellant(&self, kind: &UnknownKind, body: usize, axis: Option<usize>) -> Option<Entry> {
         let name = &self.model.bodies.get(body)?.name;
-        let (name_and_unit, hypothesis) = (
-            match axis {
-                None => (format!("{name}.propellant_use"), "kg/(N s)"),
-                Some(k) => (
-                    format!("{name}.propellant_moment_{}", AXES[k]),
-                    "kg m/(N s)",
-                ),
-            },
-            format!("the propellant that {name} uses"),
-        );
-        Some(entry(
-            kind,
-            name_and_unit,
-            FaultKind::PropellantUse,
-            hypothesis,
-        ))
+        let (what, unit) = match axis {
+            None => ("use".to_owned(), "kg/(N s)"),
+            Some(k) => (format!("moment_{}", AXES[k]), "kg m/(N s)"),
+        };
+        let number = (format!("{name}.propellant_{what}"), unit);
+        let hypothesis = format!("the propellant that {name} uses");
+        Some(entry(kind, number, FaultKind::PropellantUse, hypothesis))
     }
 
     fn of_joint(&self, kind: &UnknownKind, k: usize) -> Option<Entry> {
