@@ -95,16 +95,17 @@ impl MovedVehicle {
             let Some((_, factor)) = twin else {
                 return Vec::new();
             };
-            let of = |(one, start): (&Evaluated, &InitialStateColumns)| {
+            // By record, also of a sensor that is taken as exact and has no rows.
+            let of = |((one, start), segment): ((&Evaluated, &InitialStateColumns), &Segment)| {
                 let place = start.count() + column;
                 let slope =
                     |row: &KeptRow| Vector3::from_fn(|axis, _| row.rows[axis][place] * factor);
-                let channels = one.channels.iter();
-                channels
-                    .map(|c| one.kept.of(Some(c.sensor)).map(slope).collect())
+                (0..segment.observations.sensors.len())
+                    .map(|sensor| one.kept.of(Some(sensor)).map(slope).collect())
                     .collect()
             };
-            let segments = evaluated.iter().zip(&wide.unknown).map(of).collect();
+            let segments = evaluated.iter().zip(&wide.unknown).zip(there.segments);
+            let segments = segments.map(of).collect();
             column += 1;
             segments
         };
