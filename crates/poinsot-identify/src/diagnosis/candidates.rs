@@ -282,49 +282,45 @@ pub(super) struct Assumption {
 
 /// The assumptions among the candidates: joints that the model holds, and no geared rotors.
 pub(super) fn assumptions(problem: &Problem, candidates: &[Candidate]) -> Vec<Assumption> {
-    let numbers = candidates.iter().flat_map(|c| &c.unknowns);
-    let kinds = candidates
-        .iter()
-        .flat_map(|c| c.unknowns.iter().map(move |u| (c.fault, &u.kind)));
-    let of = |(place, (unknown, (fault, kind))): (usize, (&Unknown, (FaultKind, &UnknownKind)))| {
-        match kind {
-            UnknownKind::JointOffset(k) => {
-                let (joint, held) = (joint_of(problem, *k)?, is_held(problem, *k));
-                let step = match (joint.kind, held) {
-                    (JointKind::Prismatic, true) => HELD_OFF_M,
-                    (JointKind::Prismatic, false) => ZERO_OFF_M,
-                    (_, true) => HELD_OFF_RAD,
-                    (_, false) => ZERO_OFF_RAD,
-                };
-                let (name, unit) = (&joint.name, unknown.unit);
-                Some(Assumption {
-                    place,
-                    what: match held {
-                        true => format!("{name} locked at {} {unit}", joint.standing_at()),
-                        false => format!("the zero of {name}"),
-                    },
-                    change: format!("{step} {unit} off"),
-                    step,
-                    is_tested: !held,
-                })
-            }
-            _ if fault == FaultKind::GearedRotor => {
-                let name = unknown.name.strip_suffix(".rotor")?;
-                let joint = problem.model.joints.iter().find(|j| j.name == name)?;
-                let link = problem.model.bodies.get(joint.child)?.nominal.parameters();
-                let step = ROTOR * joint.axis_C.dot(&(link.I_BBo_B * joint.axis_C));
-                Some(Assumption {
-                    place,
-                    what: "no geared rotors in the joints".to_owned(),
-                    change: format!("1 % of the inertia of the link of {name} in one"),
-                    step,
-                    is_tested: false,
-                })
-            }
-            _ => None,
+    let numbers = candidates.iter();
+    let numbers = numbers.flat_map(|c| c.unknowns.iter().map(move |u| (c.fault, u)));
+    let of = |(place, (fault, unknown)): (usize, (FaultKind, &Unknown))| match &unknown.kind {
+        UnknownKind::JointOffset(k) => {
+            let (joint, held) = (joint_of(problem, *k)?, is_held(problem, *k));
+            let step = match (joint.kind, held) {
+                (JointKind::Prismatic, true) => HELD_OFF_M,
+                (JointKind::Prismatic, false) => ZERO_OFF_M,
+                (_, true) => HELD_OFF_RAD,
+                (_, false) => ZERO_OFF_RAD,
+            };
+            let (name, unit) = (&joint.name, unknown.unit);
+            Some(Assumption {
+                place,
+                what: match held {
+                    true => format!("{name} locked at {} {unit}", joint.standing_at()),
+                    false => format!("the zero of {name}"),
+                },
+                change: format!("{step} {unit} off"),
+                step,
+                is_tested: !held,
+            })
         }
+        _ if fault == FaultKind::GearedRotor => {
+            let name = unknown.name.strip_suffix(".rotor")?;
+            let joint = problem.model.joints.iter().find(|j| j.name == name)?;
+            let link = problem.model.bodies.get(joint.child)?.nominal.parameters();
+            let step = ROTOR * joint.axis_C.dot(&(link.I_BBo_B * joint.axis_C));
+            Some(Assumption {
+                place,
+                what: "no geared rotors in the joints".to_owned(),
+                change: format!("1 % of the inertia of the link of {name} in one"),
+                step,
+                is_tested: false,
+            })
+        }
+        _ => None,
     };
-    numbers.zip(kinds).enumerate().filter_map(of).collect()
+    numbers.enumerate().filter_map(of).collect()
 }
 
 /// Whether an error of a sensor is one, if the sensor is read. A bias, scale or turn of the only sensor of the pose, or of a
@@ -456,16 +452,11 @@ fn of_known_numbers(
                     .rsplit_once('_')
                     .map_or(name.clone(), |n| n.0.to_owned()),
             };
+            let unknown = |c| changed(number.name(model, c), number.unit(), number.value(model, c));
             Candidate {
                 name: format!("another {what} than known"),
                 fault: FaultKind::KnownNumber,
-                unknowns: components
-                    .clone()
-                    .map(|c| {
-                        let value = number.value(model, c);
-                        changed(number.name(model, c), number.unit(), value)
-                    })
-                    .collect(),
+                unknowns: components.clone().map(unknown).collect(),
                 columns: Columns::Twins(components.map(twin_of).collect()),
             }
         })
