@@ -48,7 +48,7 @@ pub(crate) fn priors_against_data(
         if let Some(square) = square {
             moved = square;
             let free = without(experiment, fitted, |free, end| {
-                let found = wanted.then(|| diagnose(free, end, fitted_numbers(free, end)));
+                let found = wanted.then(|| diagnose(free, end));
                 (rows(experiment, end), found)
             });
             unnamed = true;

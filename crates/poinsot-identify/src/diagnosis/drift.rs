@@ -2,8 +2,8 @@
 
 use super::candidates::{Candidate, sensors_read};
 use super::projected::{Projected, Score};
+use super::table::Table;
 use super::types::{MomentumDrift, SensorLag};
-use crate::fit::experiment::Experiment;
 use crate::problem::parameters::UnknownKind;
 use poinsot_dynamics::SensorError;
 use poinsot_formats::finite;
@@ -57,12 +57,8 @@ fn indices(candidates: &[Candidate], wanted: impl Fn(&UnknownKind) -> bool) -> V
 }
 
 /// Lags between every two sensors whose lags were not fitted, and between each and what drives the vehicle.
-pub(super) fn lags(
-    experiment: &Experiment,
-    candidates: &[Candidate],
-    projected: &Projected,
-    mean_square: f64,
-) -> Vec<SensorLag> {
+pub(super) fn lags(table: &Table, projected: &Projected, mean_square: f64) -> Vec<SensorLag> {
+    let experiment = table.experiment;
     let model = experiment.problem.model;
     let mut names: Vec<String> = Vec::new();
     let mut group = Vec::new();
@@ -74,7 +70,7 @@ pub(super) fn lags(
             sensor,
             error: SensorError::Lag,
         };
-        if let Some(at) = indices(candidates, |k| *k == lag).first() {
+        if let Some(at) = indices(table.candidates, |k| *k == lag).first() {
             names.push(name);
             group.push(*at);
         }

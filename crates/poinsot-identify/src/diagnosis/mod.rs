@@ -34,12 +34,12 @@ pub use types::{
 };
 
 use crate::fit::Fitted;
+use crate::fit::degrees_of_freedom::fitted_numbers;
 use crate::fit::experiment::Experiment;
 use crate::motion::{Motion, tilted};
 use candidates::{assumptions, candidates};
 use projected::Projected;
-use shared_noise::SharedNoise;
-use suspects::Misfit;
+use suspects::{Misfit, Scored};
 use table::{Table, WIDTH};
 
 /// Excess of chi-square, in its own standard deviations, below which there is no misfit.
@@ -67,15 +67,12 @@ impl Diagnostics {
     }
 }
 
-/// Searches the cause of a misfit; `fitted_numbers` were fitted in all. Where the search for the minimum failed, columns there
-/// mean nothing, and only a mistake that a fit of its own confirms is a cause.
-pub(crate) fn diagnose(
-    experiment: &Experiment,
-    fitted: &Fitted,
-    fitted_numbers: usize,
-) -> Diagnostics {
+/// Searches the cause of a misfit. Where the search for the minimum failed, columns there mean nothing, and only a mistake that a
+/// fit of its own confirms is a cause.
+pub(crate) fn diagnose(experiment: &Experiment, fitted: &Fitted) -> Diagnostics {
     tracing::info!(target: "poinsot::progress", stage = "diagnosing the residuals");
     let chi2 = fitted.chi2();
+    let fitted_numbers = fitted_numbers(experiment, fitted);
     let dof = fitted.rows().saturating_sub(fitted_numbers);
     let excess = chi2 - dof as f64;
     let mean_square = (chi2 / dof.max(1) as f64).max(1.0);
@@ -109,8 +106,17 @@ pub(crate) fn diagnose(
         }
         mistake if !fitted.is_found() => out.suspects.extend(mistake),
         mistake => {
-            let table = weighed(experiment, fitted, of, mean_square, &mut out, mistake);
-            out.held_out = held_out::held_out(experiment, fitted, table.as_ref(), fitted_numbers);
+            let (candidates, held) = candidates(experiment, fitted);
+            let table = Table::new(experiment, fitted, &candidates, (!held).then_some(WIDTH));
+            let table = table.as_ref();
+            let channels = &out.channels;
+            let others = noise_models::noise_models(experiment, fitted, channels, table, of);
+            out.deflections = deflections(experiment, fitted);
+            if let Some(table) = table {
+                weighed(table, of, mean_square, &mut out, others);
+            }
+            put_first(&mut out, mistake, of);
+            out.held_out = held_out::held_out(experiment, fitted, table, fitted_numbers);
         }
     }
     if misfit && fitted.is_found() {
@@ -127,70 +133,52 @@ pub(crate) fn diagnose(
     out
 }
 
-/// Ranks the causes; a gross error that does not explain all is first, unless another cause does. Returns the rows that it used.
+/// Ranks the causes that a table tells of, with others that were scored elsewhere.
 fn weighed(
-    experiment: &Experiment,
-    fitted: &Fitted,
+    table: &Table,
     of: Misfit,
     mean_square: f64,
     out: &mut Diagnostics,
-    mistake: Option<Suspect>,
-) -> Option<Table> {
-    out.deflections = deflections(experiment, fitted);
-    let (candidates, held) = candidates(experiment, fitted);
-    let table = Table::new(experiment, fitted, &candidates, (!held).then_some(WIDTH));
-    let about = (candidates.as_slice(), table.as_ref());
-    let mut others = noise_models::noise_models(experiment, fitted, &out.channels, about, of);
-    if let Some(table) = &table {
-        let projected = table.projected(experiment, fitted, None);
-        out.assumed = assumed(experiment, fitted, &candidates, (table, &projected));
-        others.extend(onset::onsets(
-            experiment,
-            fitted,
-            &candidates,
-            table,
-            of.misfit,
-        ));
-        let by_noise = || SharedNoise::new(experiment, fitted, &candidates, table);
-        let scored = (candidates.as_slice(), &projected, others);
-        out.suspects = suspects::suspects(experiment, fitted, scored, by_noise, of);
-        out.lags = drift::lags(experiment, &candidates, &projected, mean_square);
-        out.drift
-            .extend(drift::drift(None, &candidates, &projected, mean_square));
-        let segments = experiment.problem.segments;
-        if (2..=SEGMENTS).contains(&segments.len()) {
-            for (at, segment) in segments.iter().enumerate() {
-                let alone = table.projected(experiment, fitted, Some(at));
-                let label = Some(segment.label.clone());
-                out.drift
-                    .extend(drift::drift(label, &candidates, &alone, mean_square));
-            }
+    mut others: Vec<Scored>,
+) {
+    let projected = table.projected(None);
+    out.assumed = assumed(table, &projected);
+    others.extend(onset::onsets(table, of.misfit));
+    out.suspects = suspects::suspects(table, &projected, others, of);
+    out.lags = drift::lags(table, &projected, mean_square);
+    let drift = |label, projected: &Projected| {
+        drift::drift(label, table.candidates, projected, mean_square)
+    };
+    out.drift.extend(drift(None, &projected));
+    let segments = table.experiment.problem.segments;
+    if (2..=SEGMENTS).contains(&segments.len()) {
+        for (at, segment) in segments.iter().enumerate() {
+            let alone = table.projected(Some(at));
+            out.drift.extend(drift(Some(segment.label.clone()), &alone));
         }
     }
+}
+
+/// A gross error that does not explain all is first, unless another cause does.
+fn put_first(out: &mut Diagnostics, mistake: Option<Suspect>, of: Misfit) {
     let converged = |s: &Suspect| !s.fault.is_noise_fault() && of.excess - s.decrease < of.dof;
     if let Some(mistake) = mistake.filter(|_| !out.suspects.first().is_some_and(converged)) {
         // Ties were found relative to the best of the others.
         out.suspects.iter_mut().for_each(|s| s.tied = false);
         out.suspects.insert(0, mistake);
     }
-    table
 }
 
 /// How the answer moves where an assumption fails.
-fn assumed(
-    experiment: &Experiment,
-    fitted: &Fitted,
-    candidates: &[candidates::Candidate],
-    (table, projected): (&Table, &Projected),
-) -> Vec<Assumed> {
-    let mut list = assumptions(experiment.problem, candidates);
+fn assumed(table: &Table, projected: &Projected) -> Vec<Assumed> {
+    let mut list = assumptions(table.experiment.problem, table.candidates);
     // What the samples tell as well is no assumption.
     list.retain(|one| {
         let told = || projected.score(&[one.place], None).covariance[(0, 0)].sqrt() < one.step;
         !one.is_tested || !told()
     });
     let places: Vec<usize> = list.iter().map(|a| a.place).collect();
-    let shifts = table.shifts(experiment, fitted, &places);
+    let shifts = table.shifts(&places);
     let pairs = list.into_iter().zip(shifts.into_iter().flatten());
     let of = |(assumption, slope): (candidates::Assumption, Vec<f64>)| Assumed {
         what: assumption.what,

@@ -4,14 +4,14 @@
 //! on the same scale as the decrease of chi-square by a fault of the mean.
 
 use super::EXCESS;
-use super::candidates::{Candidate, sensors_read};
+use super::candidates::sensors_read;
 use super::channels::predictable;
 use super::suspects::{Misfit, Scored};
 use super::table::Table;
 use super::types::{ChannelDiagnosis, FaultKind, Suspect, SuspectValue};
 use crate::fit::Fitted;
 use crate::fit::experiment::Experiment;
-use crate::problem::parameters::{Unknown, UnknownKind};
+use crate::problem::parameters::UnknownKind;
 use crate::problem::segment::SensorRecord;
 use poinsot_dynamics::SensorError;
 use poinsot_spatial::{Matrix3, Vector3};
@@ -32,7 +32,7 @@ pub(super) fn noise_models(
     experiment: &Experiment,
     fitted: &Fitted,
     channels: &[ChannelDiagnosis],
-    (candidates, table): (&[Candidate], Option<&Table>),
+    table: Option<&Table>,
     of: Misfit,
 ) -> Vec<Scored> {
     let mut list = Vec::new();
@@ -43,7 +43,7 @@ pub(super) fn noise_models(
         }
     }
     if let Some(table) = table {
-        list.extend(jitters(experiment, candidates, table, of.mean_square()));
+        list.extend(jitters(table, of.mean_square()));
     }
     list
 }
@@ -145,14 +145,8 @@ fn step(record: &SensorRecord) -> Option<f64> {
 }
 
 /// Jitter of sample times, by sensor: the residual is larger where the signal changes fast.
-fn jitters(
-    experiment: &Experiment,
-    candidates: &[Candidate],
-    table: &Table,
-    mean_square: f64,
-) -> Vec<Scored> {
-    let own = candidates.iter().flat_map(|c| &c.unknowns);
-    let unknowns: Vec<&Unknown> = experiment.parameters.unknowns.iter().chain(own).collect();
+fn jitters(table: &Table, mean_square: f64) -> Vec<Scored> {
+    let (experiment, unknowns) = (table.experiment, table.unknowns());
     let mut list = Vec::new();
     let model = experiment.problem.model;
     let limits = experiment.settings.diagnosis;

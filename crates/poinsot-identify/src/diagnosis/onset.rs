@@ -5,20 +5,19 @@
 //! with the residual and with an orthonormal basis of all that was fitted are sums over the samples behind it. An
 //! impulse changes the momentum alone, a restart all of the state.
 
-use super::candidates::{Candidate, sensors_read};
+use super::candidates::sensors_read;
 use super::projected::SHOWN;
 use super::pulse::pulse;
 use super::score::{ProjectedRows, Score, explained, found, momentum_jump, of_record};
 use super::suspects::Scored;
-use super::table::{Group, SegmentRows, Table};
+use super::table::{SegmentRows, Table};
 use super::types::FaultKind;
-use crate::fit::Fitted;
 use crate::fit::experiment::Experiment;
 use crate::problem::parameters::{Unknown, UnknownKind};
 use nalgebra::{DMatrix, DVector};
 use poinsot_dynamics::SensorError;
 use poinsot_model::SensorKind;
-use poinsot_solve::{BlockQr, Triangle};
+use poinsot_solve::BlockQr;
 
 /// Largest number of times tested in a segment.
 const TIMES: usize = 160;
@@ -39,18 +38,11 @@ struct Onset {
 type Summed = Vec<usize>;
 
 /// The best onset of each fault; pulses only if there is a misfit.
-pub(super) fn onsets(
-    experiment: &Experiment,
-    fitted: &Fitted,
-    candidates: &[Candidate],
-    table: &Table,
-    misfit: bool,
-) -> Vec<Scored> {
-    let own = candidates.iter().flat_map(|c| &c.unknowns);
-    let unknowns: Vec<&Unknown> = experiment.parameters.unknowns.iter().chain(own).collect();
+pub(super) fn onsets(table: &Table, misfit: bool) -> Vec<Scored> {
+    let experiment = table.experiment;
+    let unknowns = table.unknowns();
     let mut list = Vec::new();
-    let of = |all: &Group| Basis::new(experiment, fitted, &all.stacked);
-    let Some(basis) = table.groups.first().and_then(of) else {
+    let Some(basis) = Basis::new(table) else {
         return list;
     };
     for (s, rows) in table.segments.iter().enumerate() {
@@ -144,13 +136,12 @@ struct Basis {
 }
 
 impl Basis {
-    /// `stacked` has the fitted unknowns first and the residual last.
-    fn new(experiment: &Experiment, fitted: &Fitted, stacked: &Triangle) -> Option<Self> {
-        let parameters = experiment.parameters;
+    fn new(table: &Table) -> Option<Self> {
+        let parameters = table.experiment.parameters;
         let n = parameters.len();
         let nuisance = |k: &usize| parameters.unknowns[*k].kind.is_nuisance();
         let (front, mass): (Vec<usize>, Vec<usize>) = (0..n).partition(nuisance);
-        let spectrum = &fitted.spectrum;
+        let spectrum = &table.fitted.spectrum;
         let width = front.len() + spectrum.rank;
         let mut directions = DMatrix::zeros(n, width);
         for (j, k) in front.iter().enumerate() {
@@ -162,7 +153,8 @@ impl Basis {
                     spectrum.natural[k] * spectrum.directions[(k, j)];
             }
         }
-        let r = &stacked.r;
+        // The fitted unknowns are first, and the residual is last.
+        let r = &table.groups.first()?.stacked.r;
         let mut qr = BlockQr::new(width + 1);
         qr.push(n.min(r.nrows()), |i, j| match j < width {
             true => (0..n).map(|k| r[(i, k)] * directions[(k, j)]).sum(),

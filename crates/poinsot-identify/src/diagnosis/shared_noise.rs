@@ -5,11 +5,8 @@
 //! noise on the inputs changes columns and residual, and the products of the changes are what noise alone makes of the products of
 //! columns and residual. Scores are made without it. Columns along smoothed inputs share no noise with the residual.
 
-use super::candidates::Candidate;
 use super::projected::{Projected, SHOWN, Score, units};
 use super::table::Table;
-use crate::fit::Fitted;
-use crate::fit::experiment::Experiment;
 use crate::problem::segment::{InputErrors, Noise, Segment};
 use nalgebra::{DMatrix, DVector};
 use poinsot_spatial::Vector3;
@@ -35,12 +32,8 @@ pub(super) struct SharedNoise {
 
 impl SharedNoise {
     /// `None` where no input is noisy or the rows are not held.
-    pub fn new(
-        experiment: &Experiment,
-        fitted: &Fitted,
-        candidates: &[Candidate],
-        table: &Table,
-    ) -> Option<Self> {
+    pub fn new(table: &Table) -> Option<Self> {
+        let (experiment, fitted) = (table.experiment, table.fitted);
         let (problem, noise) = (experiment.problem, experiment.problem.noise);
         let inputs = [&noise.joint_position, &noise.joint_rate, &noise.wheel_speed];
         let smooth = |s: &Segment| s.observations.is_smoothed();
@@ -55,8 +48,8 @@ impl SharedNoise {
         let segments: Vec<Segment> = segments.map(|s| disturbed(s, noise, &mut random)).collect();
         let problem = problem.with_segments(&segments);
         let disturbed = experiment.with_problem(&problem);
-        let other = Table::new(&disturbed, fitted, candidates, None)?;
-        let changes = other.changes(table, experiment, fitted);
+        let other = Table::new(&disturbed, fitted, table.candidates, None)?;
+        let changes = other.changes(table);
         Some(Self {
             residual: (changes.residual() / fitted.rows().max(1) as f64).min(1.0),
             changes,

@@ -4,6 +4,7 @@ use super::candidates::Candidate;
 use super::naming::{name, near};
 use super::projected::Projected;
 use super::shared_noise::SharedNoise;
+use super::table::Table;
 use super::types::{FaultKind, Suspect, SuspectValue};
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::{Fitted, fit_from};
@@ -51,15 +52,14 @@ impl Misfit {
 }
 
 /// Significant candidates, the best first. Scores are of first order; where the misfit is large the best few
-/// are fitted, because a fault like a wrong sign is far away. The last of `scored` were scored elsewhere. `by_noise` is what
-/// noise of the inputs makes of the scores.
+/// are fitted, because a fault like a wrong sign is far away. The others were scored elsewhere.
 pub(super) fn suspects(
-    experiment: &Experiment,
-    fitted: &Fitted,
-    (candidates, projected, others): (&[Candidate], &Projected, Vec<Scored>),
-    by_noise: impl FnOnce() -> Option<SharedNoise>,
+    table: &Table,
+    projected: &Projected,
+    others: Vec<Scored>,
     of: Misfit,
 ) -> Vec<Suspect> {
+    let (experiment, candidates) = (table.experiment, table.candidates);
     let mean_square = of.mean_square();
     let limits = experiment.settings.diagnosis;
     let mut list = scores(candidates, projected, None, mean_square);
@@ -72,7 +72,7 @@ pub(super) fn suspects(
     significant(&mut list);
     // One more evaluation, only where it decides something.
     if list.iter().any(|one| one.at.is_some())
-        && let Some(noise) = by_noise()
+        && let Some(noise) = SharedNoise::new(table)
     {
         list.retain(|one| one.at.is_none());
         list.extend(scores(candidates, projected, Some(&noise), mean_square));
@@ -81,7 +81,7 @@ pub(super) fn suspects(
     rank(&mut list, of);
     if of.misfit && of.affordable {
         let fit = |one: &mut Scored, candidate: &Candidate| {
-            if let Some((decrease, values)) = in_earnest(experiment, fitted, candidate) {
+            if let Some((decrease, values)) = in_earnest(experiment, table.fitted, candidate) {
                 one.suspect = suspect(candidate, decrease, &values);
             }
         };
@@ -100,8 +100,6 @@ pub(super) fn suspects(
         }
         significant(&mut list);
         rank(&mut list, of);
-    }
-    if of.misfit && of.affordable {
         fitted_before_scored(&mut list);
     }
     late_before_early(&mut list, limits.tied_evidence * mean_square);

@@ -10,7 +10,7 @@ use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::known_numbers::{SILENT, shifts};
 use crate::fit::triangle::conditional_estimate;
 use crate::likelihood::{Evaluated, Transition};
-use crate::problem::parameters::{Parameters, UnknownKind};
+use crate::problem::parameters::{Parameters, Unknown, UnknownKind};
 use crate::problem::prior::PriorRow;
 use crate::problem::segment::{BetweenReadings, InputErrors, Noise, Observations};
 use nalgebra::DMatrix;
@@ -188,62 +188,47 @@ pub(super) struct Group {
     pub stacked: Triangle,
 }
 
-impl Group {
-    /// Of rows that are not held, and the segments with its columns.
-    fn new(
-        experiment: &Experiment,
-        fitted: &Fitted,
-        own: &[Twin],
-        numbers: Vec<usize>,
-    ) -> Option<(Self, Vec<Evaluated>)> {
-        let own: Vec<Twin> = numbers.iter().map(|k| own[*k].clone()).collect();
-        let (extended, at) = extended(experiment, fitted, &own);
-        let mut wide = experiment.with_parameters(&extended);
-        wide.fitted = Some(experiment.parameters.len());
-        let evaluated = wide.evaluate(&at, true)?;
-        let stacked = wide.stack(&at, &evaluated, true);
-        Some((Self { numbers, stacked }, evaluated))
-    }
-}
-
 /// The experiment at the answer with the columns of all candidates, group by group: memory is linear in their number.
-pub(super) struct Table {
+pub(super) struct Table<'a> {
+    pub experiment: &'a Experiment<'a>,
+    pub fitted: &'a Fitted,
+    pub candidates: &'a [Candidate],
     /// How many numbers all candidates have.
     numbers: usize,
     /// One where the rows are held.
     pub groups: Vec<Group>,
     /// Of the first group.
     evaluated: Vec<Evaluated>,
-    initial_states: Vec<usize>,
     /// Columns of the fit.
     pub base: usize,
     /// Empty where the record is too long.
     pub segments: Vec<SegmentRows>,
 }
 
-impl Table {
+impl<'a> Table<'a> {
     /// In groups of at most so many columns; `None` holds the rows, in one group.
     pub fn new(
-        experiment: &Experiment,
-        fitted: &Fitted,
-        candidates: &[Candidate],
+        experiment: &'a Experiment<'a>,
+        fitted: &'a Fitted,
+        candidates: &'a [Candidate],
         most: Option<usize>,
     ) -> Option<Self> {
         let mut table = Self {
+            experiment,
+            fitted,
+            candidates,
             numbers: candidates.iter().map(|c| c.unknowns.len()).sum(),
             groups: Vec::new(),
             evaluated: Vec::new(),
-            initial_states: experiment.unknown.iter().map(|u| u.count()).collect(),
             base: experiment.parameters.len(),
             segments: Vec::new(),
         };
         let own: Vec<Twin> = candidates.iter().flat_map(own_columns).collect();
         match most {
-            None => table.add_rows(experiment, fitted, candidates, &own)?,
+            None => table.add_rows(&own)?,
             Some(most) => {
                 let mut all = groups(candidates, most).into_iter();
-                let of = |numbers| Group::new(experiment, fitted, &own, numbers);
-                let (first, evaluated) = of(all.next()?)?;
+                let (first, evaluated) = table.group(&own, all.next()?)?;
                 // More segments keep the cores busy.
                 let least = match experiment.problem.segments {
                     [_] => 1,
@@ -251,7 +236,7 @@ impl Table {
                 };
                 let others: Vec<Vec<usize>> = all.collect();
                 let others = others.into_par_iter().with_min_len(least);
-                let others = others.map(|own| Some(of(own)?.0));
+                let others = others.map(|numbers| Some(table.group(&own, numbers)?.0));
                 let all = rayon::iter::once(Some(first)).chain(others);
                 table.groups = all.collect::<Option<_>>()?;
                 table.evaluated = evaluated;
@@ -260,22 +245,28 @@ impl Table {
         Some(table)
     }
 
+    /// A group of rows that are not held, and the segments with its columns.
+    fn group(&self, own: &[Twin], numbers: Vec<usize>) -> Option<(Group, Vec<Evaluated>)> {
+        let own: Vec<Twin> = numbers.iter().map(|k| own[*k].clone()).collect();
+        let (extended, at) = self.extended(&own);
+        let mut wide = self.experiment.with_parameters(&extended);
+        wide.fitted = Some(self.base);
+        let evaluated = wide.evaluate(&at, true)?;
+        let stacked = wide.stack(&at, &evaluated, true);
+        Some((Group { numbers, stacked }, evaluated))
+    }
+
     /// One group of all candidates, of rows that are held.
-    fn add_rows(
-        &mut self,
-        experiment: &Experiment,
-        fitted: &Fitted,
-        candidates: &[Candidate],
-        own: &[Twin],
-    ) -> Option<()> {
-        let (extended, at) = extended(experiment, fitted, own);
+    fn add_rows(&mut self, own: &[Twin]) -> Option<()> {
+        let experiment = self.experiment;
+        let (extended, at) = self.extended(own);
         let mut wide = experiment.with_parameters(&extended);
         wide.keep_rows = true;
         let mut evaluated = wide.evaluate(&at, true)?;
-        self.hold(experiment, &mut evaluated);
+        self.hold(&mut evaluated);
         self.silence(own);
         let kinds: Vec<UnknownKind> = extended.unknowns.iter().map(|u| u.kind.clone()).collect();
-        self.derive(experiment, candidates, &kinds);
+        self.derive(&kinds);
         let late = (self.base..kinds.len()).filter(|k| kinds[*k].is_delay());
         let late: Vec<usize> = late.collect();
         let segments = experiment.problem.segments.iter();
@@ -284,7 +275,7 @@ impl Table {
                 own.take_slopes_from_others(&late, &reach);
             }
         }
-        let (stacked, start_rows) = self.stack(experiment.prior_rows(&fitted.at, true), None);
+        let (stacked, start_rows) = self.stack(self.priors(), None);
         for (own, rows) in self.segments.iter_mut().zip(start_rows) {
             own.start_rows = rows;
         }
@@ -294,19 +285,14 @@ impl Table {
     }
 
     /// How the mass properties move with each of these numbers of the candidates.
-    pub fn shifts(
-        &self,
-        experiment: &Experiment,
-        fitted: &Fitted,
-        numbers: &[usize],
-    ) -> Option<Vec<Vec<f64>>> {
+    pub fn shifts(&self, numbers: &[usize]) -> Option<Vec<Vec<f64>>> {
         let mut all = vec![Vec::new(); numbers.len()];
         for group in &self.groups {
             let column = |number: &usize| group.numbers.iter().position(|own| own == number);
             let asked = numbers.iter().map(column).enumerate();
             let asked = asked.filter_map(|(k, column)| Some((k, self.base + column?)));
             let (asked, places): (Vec<usize>, Vec<usize>) = asked.unzip();
-            let (_, found) = shifts(experiment, fitted, &group.stacked, &places).ok()?;
+            let (_, found) = shifts(self.experiment, self.fitted, &group.stacked, &places).ok()?;
             for (k, shift) in asked.into_iter().zip(found) {
                 all[k] = shift;
             }
@@ -315,8 +301,8 @@ impl Table {
     }
 
     /// Moves the kept rows.
-    fn hold(&mut self, experiment: &Experiment, evaluated: &mut [Evaluated]) {
-        for (one, unknown) in evaluated.iter_mut().zip(&experiment.unknown) {
+    fn hold(&mut self, evaluated: &mut [Evaluated]) {
+        for (one, unknown) in evaluated.iter_mut().zip(&self.experiment.unknown) {
             let kept = std::mem::take(&mut one.kept);
             let sensors: Vec<usize> = one.channels.iter().map(|c| c.sensor).collect();
             let mut own = SegmentRows {
@@ -360,8 +346,8 @@ impl Table {
     }
 
     /// Puts the columns that are made of others between the candidates and the residual.
-    fn derive(&mut self, experiment: &Experiment, candidates: &[Candidate], kinds: &[UnknownKind]) {
-        let drifts = candidates.iter().filter_map(|c| match c.columns {
+    fn derive(&mut self, kinds: &[UnknownKind]) {
+        let drifts = self.candidates.iter().filter_map(|c| match c.columns {
             Columns::Ramp { sensor } => Some(sensor),
             _ => None,
         });
@@ -372,7 +358,8 @@ impl Table {
             };
             let place = |axis: usize| kinds.iter().position(|kind| *kind == bias(axis));
             let places = [0, 1, 2].map(place);
-            for (own, segment) in self.segments.iter_mut().zip(experiment.problem.segments) {
+            let segments = self.experiment.problem.segments;
+            for (own, segment) in self.segments.iter_mut().zip(segments) {
                 let t = &segment.observations.time_s;
                 for (three, (_, at)) in own.rows.chunks_exact_mut(3).zip(&own.of) {
                     for row in three {
@@ -475,7 +462,7 @@ impl Table {
     }
 
     /// What of candidates and residual differs from those of another table, clear of what was fitted there.
-    pub fn changes(mut self, from: &Self, experiment: &Experiment, fitted: &Fitted) -> Projected {
+    pub fn changes(mut self, from: &Self) -> Projected {
         for (own, from) in self.segments.iter_mut().zip(&from.segments) {
             let first = from.initial_columns + self.base;
             for (own, from) in own.rows.iter_mut().zip(&from.rows) {
@@ -484,22 +471,18 @@ impl Table {
                 changed.for_each(|(own, from)| *own -= from);
             }
         }
-        let mut priors = experiment.prior_rows(&fitted.at, true);
+        let mut priors = from.priors();
         priors.iter_mut().for_each(|row| row.residual = 0.0);
         self.groups[0].stacked = self.stack(priors, None).0;
-        self.projected(experiment, fitted, None)
+        self.projected(None)
     }
 
     /// Candidates clear of the fit; with a segment given those of the first group, and they act in that segment alone.
-    pub fn projected(
-        &self,
-        experiment: &Experiment,
-        fitted: &Fitted,
-        segment: Option<usize>,
-    ) -> Projected {
+    pub fn projected(&self, segment: Option<usize>) -> Projected {
         let mut all = Projected::new(self.numbers);
+        let parameters = self.experiment.parameters;
         let mut add = |group: &Group, stacked: &Triangle| {
-            all.add(experiment.parameters, fitted, &group.numbers, stacked);
+            all.add(parameters, self.fitted, &group.numbers, stacked);
         };
         match segment {
             None => self.groups.iter().for_each(|own| add(own, &own.stacked)),
@@ -507,10 +490,7 @@ impl Table {
                 let first = self.groups.first().into_iter();
                 first.for_each(|own| add(own, &self.only_in(only, own.numbers.len())));
             }
-            Some(only) => {
-                let priors = experiment.prior_rows(&fitted.at, true);
-                add(&self.groups[0], &self.stack(priors, Some(only)).0);
-            }
+            Some(only) => add(&self.groups[0], &self.stack(self.priors(), Some(only)).0),
         }
         all
     }
@@ -521,7 +501,7 @@ impl Table {
         let mut stacked = BlockQr::new(width + 1);
         for (s, one) in self.evaluated.iter().enumerate() {
             if let Some(triangle) = &one.triangle {
-                let h = self.initial_states[s];
+                let h = self.experiment.unknown[s].count();
                 stacked.push(triangle.r.nrows().saturating_sub(h), |i, j| {
                     match (self.base..width).contains(&j) && s != only {
                         true => 0.0,
@@ -531,6 +511,30 @@ impl Table {
             }
         }
         stacked.finish()
+    }
+
+    /// All unknowns in the order of their columns: those of the fit, and the numbers of the candidates.
+    pub fn unknowns(&self) -> Vec<&Unknown> {
+        let own = self.candidates.iter().flat_map(|c| &c.unknowns);
+        let fitted = self.experiment.parameters.unknowns.iter();
+        fitted.chain(own).collect()
+    }
+
+    /// What the fit knows beside the samples.
+    fn priors(&self) -> Vec<PriorRow> {
+        self.experiment.prior_rows(&self.fitted.at, true)
+    }
+
+    /// The unknowns of the fit and these behind them, and the answer with them at their nominal values.
+    fn extended(&self, own: &[Twin]) -> (Parameters, Iterate) {
+        let mut extended = self.experiment.parameters.clone();
+        extended
+            .unknowns
+            .extend(own.iter().map(|t| t.unknown.clone()));
+        let mut x = self.fitted.at.x.clone();
+        x.extend(own.iter().map(|t| t.unknown.nominal));
+        let initial_states = self.fitted.at.initial_states.clone();
+        (extended, Iterate { x, initial_states })
     }
 }
 
@@ -555,18 +559,6 @@ fn groups(candidates: &[Candidate], most: usize) -> Vec<Vec<usize>> {
         }
     }
     groups
-}
-
-/// The unknowns of the fit and these behind them, and the answer with them at their nominal values.
-fn extended(experiment: &Experiment, fitted: &Fitted, own: &[Twin]) -> (Parameters, Iterate) {
-    let mut extended = experiment.parameters.clone();
-    extended
-        .unknowns
-        .extend(own.iter().map(|t| t.unknown.clone()));
-    let mut x = fitted.at.x.clone();
-    x.extend(own.iter().map(|t| t.unknown.nominal));
-    let initial_states = fitted.at.initial_states.clone();
-    (extended, Iterate { x, initial_states })
 }
 
 /// What the evaluation itself gives columns to.

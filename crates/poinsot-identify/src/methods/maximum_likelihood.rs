@@ -248,7 +248,7 @@ impl LinearStart {
 fn diagnosed(experiment: &Experiment, fitted: &Fitted) -> Diagnostics {
     match experiment.settings.undiagnosed {
         true => Diagnostics::default(),
-        false => diagnose(experiment, fitted, fitted_numbers(experiment, fitted)),
+        false => diagnose(experiment, fitted),
     }
 }
 

@@ -6,7 +6,6 @@
 use crate::diagnosis::diagnose;
 use crate::diagnosis::octaves::consistent;
 use crate::fit::alternatives::{AlternativeFit, random_torque};
-use crate::fit::degrees_of_freedom::fitted_numbers;
 use crate::fit::experiment::Experiment;
 use crate::fit::{Fitted, fit};
 use crate::methods::maximum_likelihood::segment_fits;
@@ -83,7 +82,7 @@ pub fn held_back(
     } = best.or_random_torque(driven.as_ref(), explains);
     let (mut findings, mut predictions) = (Vec::new(), Vec::new());
     if let Some(points) = points {
-        let found = diagnose(&experiment, &fitted, fitted_numbers(&experiment, &fitted));
+        let found = diagnose(&experiment, &fitted);
         findings.extend(found.findings.into_iter().map(|f| f.text));
         predictions = predict(&experiment, &fitted.at, points);
     }

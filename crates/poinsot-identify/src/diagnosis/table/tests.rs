@@ -154,7 +154,7 @@ fn exact_groups_have_the_scores_of_one() {
         assert!(whole.groups.len() == 1 && parts.groups.len() > 4);
         let columns = parts.groups.iter().map(|g| g.numbers.len());
         assert_eq!(columns.sum::<usize>(), whole.numbers);
-        let of = |table: &Table, only| table.projected(&experiment, &fitted, only);
+        let of = |table: &Table, only| table.projected(only);
         let (one, many) = (of(&whole, None), of(&parts, None));
         let (one_alone, many_alone) = (of(&whole, Some(1)), of(&parts, Some(1)));
         let mut together = Vec::new();
@@ -166,7 +166,7 @@ fn exact_groups_have_the_scores_of_one() {
             assert_same(&candidate.name, &scores[0], &scores[1]);
             let sigma = |k: usize| one.score(&own[k..=k], None).covariance[(0, 0)].sqrt();
             let shifts = [&whole, &parts].map(|table| {
-                let all = table.shifts(&experiment, &fitted, &own).unwrap();
+                let all = table.shifts(&own).unwrap();
                 let all = all.into_iter().enumerate();
                 // By one sigma of the number, in those of the answer.
                 let moved = |(k, shift): (usize, Vec<f64>)| shift.into_iter().map(move |s| (k, s));
