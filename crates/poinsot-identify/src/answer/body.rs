@@ -14,12 +14,12 @@ use poinsot_spatial::{MassProperties, Matrix3, Vector3, pseudo_inertia, tensor};
 
 /// Value and sigma of quantities; `None` for an undetermined one.
 pub(crate) struct QuantityEstimator<'a> {
-    solution: &'a Solution,
+    pub solution: &'a Solution,
     /// Factor on sigma where the residual is larger than declared.
     inflation: f64,
     rejected: bool,
     /// Nuisances as functions of the mass properties, and their conditional covariance.
-    nuisances: ConditionalEstimate,
+    pub nuisances: ConditionalEstimate,
 }
 
 impl<'a> QuantityEstimator<'a> {
@@ -104,8 +104,8 @@ impl<'a> QuantityEstimator<'a> {
 }
 
 /// One body.
-pub(crate) fn body(estimator: &QuantityEstimator, solution: &Solution, at: usize) -> BodyEstimate {
-    let parameters = &solution.parameters;
+pub(crate) fn body(estimator: &QuantityEstimator, at: usize) -> BodyEstimate {
+    let parameters = &estimator.solution.parameters;
     let asked = parameters.estimate[at];
     let nominal = parameters.nominal_properties[at];
     let name = parameters.body_names[at].clone();
@@ -114,29 +114,28 @@ pub(crate) fn body(estimator: &QuantityEstimator, solution: &Solution, at: usize
     }
     let of = |k: usize, x: &[f64]| mass_property(parameters, at, k, x);
     let ten = |x: &[f64]| TenParameters::of_body(parameters, at, x);
-    let open = open_barycentric(parameters, asked, &solution.x);
-    let numbers = estimator.numbers(asked, &nominal, &solution.x, of);
-    let barycentric = estimator.barycentric(&nominal, &solution.x, ten, open);
+    let open = open_barycentric(parameters, asked, &estimator.solution.x);
+    let numbers = estimator.numbers(asked, &nominal, of);
+    let barycentric = estimator.barycentric(&nominal, ten, open);
     of_numbers(name, numbers, barycentric)
 }
 
 /// The whole vehicle with the joints where they are in `kinematics`.
 pub(crate) fn system(
     estimator: &QuantityEstimator,
-    solution: &Solution,
     tree: &Tree,
     joint_position: &[f64],
 ) -> BodyEstimate {
     let kinematics = Kinematics::at(tree, joint_position);
-    let parameters = &solution.parameters;
+    let parameters = &estimator.solution.parameters;
     let ten = |x: &[f64]| TenParameters::of_system(parameters, &kinematics, x);
     let nominal = ten(&parameters.nominal_vector())
         .inertial()
         .mass_properties()
         .unwrap_or(MassProperties::ZERO);
     let of = |k: usize, x: &[f64]| Some(ten(x).mass_property(k));
-    let numbers = estimator.numbers(EstimateSet::ALL, &nominal, &solution.x, of);
-    let barycentric = estimator.barycentric(&nominal, &solution.x, ten, [false; 10]);
+    let numbers = estimator.numbers(EstimateSet::ALL, &nominal, of);
+    let barycentric = estimator.barycentric(&nominal, ten, [false; 10]);
     of_numbers("system".to_owned(), numbers, barycentric)
 }
 
@@ -146,12 +145,11 @@ impl QuantityEstimator<'_> {
         &self,
         asked: EstimateSet,
         nominal: &MassProperties,
-        x: &[f64],
         of: impl Fn(usize, &[f64]) -> Option<Quantity>,
     ) -> [Number; 10] {
         let nominal = nominal.to_array();
         // A mass that is not asked may be known within its uncertainty.
-        let own = |k: usize| of(k, x).filter(|_| k == 0 || asked.has(k));
+        let own = |k: usize| of(k, &self.solution.x).filter(|_| k == 0 || asked.has(k));
         std::array::from_fn(|k| match own(k) {
             Some(own) => self.number(&own, nominal[k], |x| of(k, x).unwrap_or(own.clone())),
             None if asked.has(k) => Number::undetermined(nominal[k]),
@@ -163,11 +161,10 @@ impl QuantityEstimator<'_> {
     fn barycentric(
         &self,
         nominal: &MassProperties,
-        x: &[f64],
         at: impl Fn(&[f64]) -> TenParameters,
         open: [bool; 10],
     ) -> [Number; 10] {
-        let (nominal, ten) = (nominal.parameters().to_array(), at(x));
+        let (nominal, ten) = (nominal.parameters().to_array(), at(&self.solution.x));
         std::array::from_fn(|k| match open[k] {
             true => Number::undetermined(nominal[k]),
             false => self.number(&ten.parameter(k), nominal[k], |x| at(x).parameter(k)),

@@ -22,10 +22,8 @@ const GRADIENT_STEP: f64 = 1.0e-4;
 const FLAT: f64 = 1.0e-9;
 
 /// Linear combinations that the data determine and that are constant along all paths.
-pub(crate) fn combinations(
-    solution: &Solution,
-    estimator: &QuantityEstimator,
-) -> Vec<DeterminedCombination> {
+pub(crate) fn combinations(estimator: &QuantityEstimator) -> Vec<DeterminedCombination> {
+    let solution = estimator.solution;
     let spectrum = solution.of_data();
     let m = spectrum.natural.len();
     let open = unusable(solution);
@@ -99,9 +97,9 @@ fn unusable(solution: &Solution) -> Mat<f64> {
 /// directions.
 pub(crate) fn functions(
     problem: &Problem,
-    solution: &Solution,
     estimator: &QuantityEstimator,
 ) -> Vec<DeterminedCombination> {
+    let solution = estimator.solution;
     let curved = solution.unobservable_set.here.is_some();
     if !curved || solution.parameters.equations != Equations::Momentum {
         return Vec::new();

@@ -3,7 +3,7 @@
 use crate::answer::body::QuantityEstimator;
 use crate::problem::quantity::Quantity;
 use crate::solution::estimate::{MomentumEstimate, NamedNumber, Number};
-use crate::solution::solved::{Solution, StartOfSegment, VectorQuantity};
+use crate::solution::solved::{StartOfSegment, VectorQuantity};
 use poinsot_model::MomentumKnowledge;
 
 /// Momentum at the first sample of a segment.
@@ -36,10 +36,11 @@ fn numbers(
 }
 
 /// Spin inertias, thruster scales and biases.
-pub(crate) fn nuisances(estimator: &QuantityEstimator, solution: &Solution) -> Vec<NamedNumber> {
+pub(crate) fn nuisances(estimator: &QuantityEstimator) -> Vec<NamedNumber> {
+    let solution = estimator.solution;
     let parameters = &solution.parameters;
     let mass = solution.shared.mass;
-    let biases = solution.shared.nuisance_estimate(&solution.x);
+    let biases = &estimator.nuisances;
     parameters
         .unknowns
         .iter()

@@ -39,7 +39,7 @@ pub(crate) fn write(problem: &Problem, solution: &Solution) -> Estimate {
     let answered = |withheld: bool| {
         let estimator = QuantityEstimator::new(solution, sigma_factor, withheld);
         let bodies: Vec<BodyEstimate> = (0..problem.model.bodies.len())
-            .map(|at| body(&estimator, solution, at))
+            .map(|at| body(&estimator, at))
             .collect();
         (estimator, bodies)
     };
@@ -63,9 +63,9 @@ pub(crate) fn write(problem: &Problem, solution: &Solution) -> Estimate {
             .zip(nominal)
             .filter_map(|(b, n)| at_origin(b, n)),
     );
-    let nuisance = nuisances(&estimator, solution);
+    let nuisance = nuisances(&estimator);
     remarks.extend(equal_scales(problem, solution, &nuisance));
-    let identifiability = identifiability(problem, solution, &estimator);
+    let identifiability = identifiability(problem, &estimator);
     let effects = remarks.iter().map(|remark| remark.effect);
     let status = effects.fold(Status::of_numbers(&bodies, &identifiability), Status::after);
     let mut warnings = warnings(solution, &remarks, rejection);
@@ -84,7 +84,7 @@ pub(crate) fn write(problem: &Problem, solution: &Solution) -> Estimate {
         iterations: own.map_or(1, |own| own.iterations),
         costs: own.map_or_else(Vec::new, |own| own.costs.clone()),
         remarks,
-        system: whole(problem, solution, (&estimator, &bodies)),
+        system: whole(problem, &estimator, &bodies),
         bodies,
         momentum: solution
             .starts
@@ -110,9 +110,10 @@ pub(crate) fn write(problem: &Problem, solution: &Solution) -> Estimate {
 /// The vehicle as one body, at its joints' first positions.
 fn whole(
     problem: &Problem,
-    solution: &Solution,
-    (estimator, bodies): (&QuantityEstimator, &[BodyEstimate]),
+    estimator: &QuantityEstimator,
+    bodies: &[BodyEstimate],
 ) -> Option<(BodyEstimate, Vec<f64>)> {
+    let solution = estimator.solution;
     if solution.parameters.equations == Equations::Rotation {
         // One body: the vehicle is that body.
         let name = "system".to_owned();
@@ -130,10 +131,8 @@ fn whole(
     for own in joint_scales(&solution.parameters, &solution.x) {
         position[own.joint] *= own.factor();
     }
-    Some((
-        system(estimator, solution, problem.tree, &position),
-        position,
-    ))
+    let all = system(estimator, problem.tree, &position);
+    Some((all, position))
 }
 
 /// A body whose inertia no distribution of positive mass has makes the answer partial.
@@ -148,11 +147,8 @@ fn physical_tensor(body: &BodyEstimate) -> Option<Remark> {
     ))
 }
 
-fn identifiability(
-    problem: &Problem,
-    solution: &Solution,
-    estimator: &QuantityEstimator,
-) -> Identifiability {
+fn identifiability(problem: &Problem, estimator: &QuantityEstimator) -> Identifiability {
+    let solution = estimator.solution;
     let spectrum = solution.of_data();
     let m = spectrum.natural.len();
     let absent = naming::absent(&solution.parameters);
@@ -163,8 +159,8 @@ fn identifiability(
             ..Identifiability::default()
         };
     }
-    let mut determined = determined::combinations(solution, estimator);
-    determined.extend(determined::functions(problem, solution, estimator));
+    let mut determined = determined::combinations(estimator);
+    determined.extend(determined::functions(problem, estimator));
     let allowed = spectrum.experiment();
     let mut open = naming::unobservable_directions(problem, solution);
     if solution.data_alone().is_none() {
