@@ -335,69 +335,61 @@ impl Convention {
 
     /// The mistake.
     pub fn named(&self, problem: &Problem) -> (FaultKind, String) {
-        use FaultKind::{Convention, Lag, Thrust, WheelExchange};
         let owner = &self.owner;
-        match (&self.place, self.change) {
-            (Place::Thrusters(_), Change::Factor(0.0)) => (Thrust, format!("no force of {owner}")),
-            (Place::Thrusters(_), Change::Factor(-1.0)) => {
-                (Thrust, format!("a wrong direction of {owner}"))
-            }
-            (Place::Thrusters(_), Change::Factor(x)) => mistake(owner, "N", x),
-            (Place::Thrusters(_), _) => (Thrust, format!("exchanged columns of {owner}")),
+        let words = match (&self.place, self.change) {
+            (Place::Thrusters(_), Change::Factor(0.0)) => format!("no force of {owner}"),
+            (Place::Thrusters(_), Change::Factor(-1.0)) => format!("a wrong direction of {owner}"),
             (_, Change::ClosesLate(x)) => {
                 let off = if x < 0.0 { "shorter" } else { "longer" };
                 let [by, late] = [x.abs(), x].map(|x| rounded(x, 3));
                 let key = format!("closes_late_s = {late} in the columns of the thrusters");
-                let words = format!("{owner} {by} s {off} than commanded ({key})");
-                (Convention, words)
+                format!("{owner} {by} s {off} than commanded ({key})")
             }
-            (Place::Pulses, Change::Late(x)) => {
-                let what = if x > 0.0 {
-                    "delayed thrust samples"
-                } else {
-                    "a lag of the thrust"
-                };
-                (Lag, what.to_owned())
-            }
-            (_, Change::Late(_)) => (Lag, format!("a lag of {owner}")),
-            (Place::Wheels(_), Change::Exchanged) => {
-                (WheelExchange, format!("exchanged speeds of {owner}"))
-            }
+            (Place::Pulses, Change::Late(x)) if x > 0.0 => "delayed thrust samples".to_owned(),
+            (Place::Pulses, Change::Late(_)) => "a lag of the thrust".to_owned(),
+            (_, Change::Late(_)) => format!("a lag of {owner}"),
+            (Place::Wheels(_), Change::Exchanged) => format!("exchanged speeds of {owner}"),
             (_, Change::OrbitalAxes(x, rates)) => {
                 let (rate, what) = (rounded(x, 6), if rates { " and rates" } else { "" });
-                let words = format!(
+                format!(
                     "{owner}{what} relative to axes that turn, as the orbital ones do (orbital_frame = {{ rate_rad_s = {rate}, rates = {rates} }})"
-                );
-                (Convention, words)
+                )
             }
             (_, Change::Offset(x)) => {
                 let degrees = rounded(x.to_degrees(), 4);
-                let words =
-                    format!("another zero of {owner} (offset = {degrees} deg in its column)");
-                (Convention, words)
+                format!("another zero of {owner} (offset = {degrees} deg in its column)")
             }
-            (_, Change::Axes(axes)) => {
-                let words = format!("other axes of {owner} {axes}");
-                (Convention, words)
-            }
+            (_, Change::Axes(axes)) => format!("other axes of {owner} {axes}"),
             (_, Change::Turned(turned)) => {
                 let key = turned.key();
-                let words = format!("{owner} in body axes, not in inertial axes ({key} = true)");
-                (Convention, words)
+                format!("{owner} in body axes, not in inertial axes ({key} = true)")
             }
             (Place::Joints(_), Change::Factor(-1.0)) => {
-                let words = format!("a wrong sign of {owner} (sign = -1 in its columns)");
-                (Convention, words)
+                format!("a wrong sign of {owner} (sign = -1 in its columns)")
             }
-            (Place::Joints(_), Change::Factor(x)) => mistake(owner, "rad", x),
-            (Place::Sensor(k), Change::Factor(x)) => {
+            (_, Change::Factor(x)) => return mistake(owner, self.unit(problem), x),
+            _ => format!("exchanged columns of {owner}"),
+        };
+        let fault = match (&self.place, self.change) {
+            (_, Change::Late(_)) => FaultKind::Lag,
+            (Place::Wheels(_), Change::Exchanged) => FaultKind::WheelExchange,
+            (Place::Thrusters(_), _) => FaultKind::Thrust,
+            _ => FaultKind::Convention,
+        };
+        (fault, words)
+    }
+
+    /// The unit of the numbers that are read.
+    fn unit(&self, problem: &Problem) -> &'static str {
+        match self.place {
+            Place::Thrusters(_) => "N",
+            Place::Joints(_) => "rad",
+            Place::Sensor(k) => {
                 let record = problem.segments.first();
-                let sensor = record.and_then(|s| s.observations.sensors.get(*k));
-                let unit = sensor.map_or("1", |s| printed_unit(s.kind.unit(false)));
-                mistake(owner, unit, x)
+                let sensor = record.and_then(|s| s.observations.sensors.get(k));
+                sensor.map_or("1", |s| printed_unit(s.kind.unit(false)))
             }
-            (_, Change::Factor(x)) => mistake(owner, "rad/s", x),
-            _ => (Convention, format!("exchanged columns of {owner}")),
+            _ => "rad/s",
         }
     }
 
