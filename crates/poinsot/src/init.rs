@@ -286,7 +286,7 @@ fn write_map(survey: &Survey, out: &mut String) {
     let of_all = survey.inspection.sources.len() == 1;
     for proposal in survey.proposals.iter().filter(|p| !p.is_plain()) {
         out.push('\n');
-        proposal.write(true, of_all, out);
+        out.push_str(&proposal.text(true, of_all));
     }
     let rest = survey.proposals.iter().flat_map(|p| &p.rest);
     let rest: Vec<&str> = rest.map(String::as_str).collect();

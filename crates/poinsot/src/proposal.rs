@@ -139,16 +139,16 @@ impl Proposal {
         self.layout.is_empty() && self.lines.is_empty()
     }
 
-    /// Writes the table: with a mark for what is unsure, or (`asked`) a question; for files of this name, or for all files.
-    pub fn write(&self, asked: bool, of_all: bool, out: &mut String) {
+    /// The table: with a mark for what is unsure, or (`asked`) a question; for files of this name, or for all files.
+    pub fn text(&self, asked: bool, of_all: bool) -> String {
         let named = format!("[[telemetry.file]]\nname = {}", quoted(&self.name));
         let (head, table) = match of_all {
             true => ("[telemetry]", "telemetry"),
             false => (named.as_str(), "telemetry.file"),
         };
-        let _ = write!(out, "{head}\n{}", self.layout);
+        let mut out = format!("{head}\n{}", self.layout);
         let of = |key: &'static str| self.lines.iter().filter(move |line| line.key == key);
-        of("time").for_each(|line| write_line(line, "time", asked, out));
+        of("time").for_each(|line| write_line(line, "time", asked, &mut out));
         let attitudes: Vec<&Line> = of("attitude").collect();
         if let [one] = attitudes[..] {
             let (keys, comment) = one.text(asked);
@@ -170,8 +170,9 @@ impl Proposal {
                 true => quoted(&line.key),
                 false => line.key.clone(),
             };
-            write_line(line, &key, asked, out);
+            write_line(line, &key, asked, &mut out);
         }
+        out
     }
 }
 

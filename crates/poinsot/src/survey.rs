@@ -73,13 +73,7 @@ impl Survey {
 
 fn likely(proposals: &[Proposal]) -> Option<String> {
     let written = proposals.iter().filter(|p| !p.is_plain());
-    let tables: Vec<String> = written
-        .map(|proposal| {
-            let mut out = String::new();
-            proposal.write(false, false, &mut out);
-            out
-        })
-        .collect();
+    let tables: Vec<String> = written.map(|p| p.text(false, false)).collect();
     (!tables.is_empty()).then(|| tables.join("\n"))
 }
 

@@ -33,13 +33,10 @@ pub(super) fn check_sensors(
         unread(model, table, &label, repairs);
         ownerless(model, table, &label, repairs);
     }
-    let has_columns: Vec<bool> = (0..model.sensors.len())
-        .map(|k| tables.iter().any(|t| parts_of(model, t, k).is_some()))
-        .collect();
-    let read = |s: &Sensor| {
-        let mut all = model.sensors.iter().zip(&has_columns);
-        all.any(|(other, has)| std::ptr::eq(s, other) && *has)
-    };
+    let all = model.sensors.iter().enumerate();
+    let has_columns = |k: usize| tables.iter().any(|t| parts_of(model, t, k).is_some());
+    let seen: Vec<&Sensor> = all.filter(|s| has_columns(s.0)).map(|s| s.1).collect();
+    let read = |s: &Sensor| seen.iter().any(|other| std::ptr::eq(s, *other));
     refuse_links_alone(model, &read)?;
     for kind in SensorKind::with_axes() {
         let all: Vec<&Sensor> = model.sensors_of(kind).collect();
