@@ -161,21 +161,13 @@ impl Reading<'_> {
     /// Leaves out the channels for which there is no row.
     fn without_rows(&mut self, path: &Path, plan: &mut Plan, columns: &mut Columns) {
         for (k, choice) in plan.choices.iter().enumerate() {
-            if columns
-                .chosen
-                .get(k)
-                .is_some_and(|rows| rows.contains(&true))
-            {
+            let chosen = columns.chosen.get(k);
+            if chosen.is_some_and(|rows| rows.contains(&true)) {
                 continue;
             }
-            let of_choice = |c: &&PlannedChannel| c.choice == Some(k);
             let group = |c: &PlannedChannel| Some(c.part?.0);
-            let groups: HashSet<usize> = plan
-                .channels
-                .iter()
-                .filter(of_choice)
-                .filter_map(group)
-                .collect();
+            let of_choice = plan.channels.iter().filter(|c| c.choice == Some(k));
+            let groups: HashSet<usize> = of_choice.filter_map(group).collect();
             let own = |c: &PlannedChannel| {
                 c.choice == Some(k) || group(c).is_some_and(|g| groups.contains(&g))
             };
