@@ -348,30 +348,26 @@ fn is_no_frame(
 /// Drifts of biases: of rates, and of the attitude.
 fn of_drifts(experiment: &Experiment) -> Vec<Candidate> {
     let model = experiment.problem.model;
-    let read = sensors_read(experiment.problem).into_iter();
-    let drifts = |sensor: &usize| {
-        let kind = model.sensors[*sensor].kind;
-        matches!(kind, SensorKind::Gyro | SensorKind::Attitude)
-    };
-    read.filter(|(sensor, _)| drifts(sensor))
-        .map(|(sensor, name)| {
-            let own = &model.sensors[sensor];
-            let unit = match own.kind {
-                SensorKind::Gyro => "rad/s2",
-                _ => "rad/s",
-            };
-            let number = |axis: usize| {
-                let name = format!("{}.bias_drift_{}", own.name, axis_name(axis));
-                changed(name, unit, 0.0)
-            };
-            Candidate {
-                name: format!("a drift of the bias of the {}", name.replace('_', " ")),
-                fault: FaultKind::BiasDrift,
-                unknowns: (0..3).map(number).collect(),
-                columns: Columns::Ramp { sensor },
-            }
+    let of = |(sensor, name): (usize, String)| {
+        let own = &model.sensors[sensor];
+        let unit = match own.kind {
+            SensorKind::Gyro => "rad/s2",
+            SensorKind::Attitude => "rad/s",
+            _ => return None,
+        };
+        let number = |axis: usize| {
+            let name = format!("{}.bias_drift_{}", own.name, axis_name(axis));
+            changed(name, unit, 0.0)
+        };
+        Some(Candidate {
+            name: format!("a drift of the bias of the {}", name.replace('_', " ")),
+            fault: FaultKind::BiasDrift,
+            unknowns: (0..3).map(number).collect(),
+            columns: Columns::Ramp { sensor },
         })
-        .collect()
+    };
+    let read = sensors_read(experiment.problem).into_iter();
+    read.filter_map(of).collect()
 }
 
 /// Sensors of the model that have samples in any segment, with their names in results.
@@ -437,13 +433,10 @@ fn of_known_numbers(
                 let sigma = number.absolute(model, c, usual);
                 let shift = (number, c, CHANGE_STEP * sigma);
                 let own = (&moved.vehicle.parameters, &moved.base.x);
-                match twin((&there, model), own.0, own.1, shift) {
-                    Some((unknown, _)) => Twin { unknown, sigma },
-                    None => Twin {
-                        unknown: changed(number.name(model, c), number.unit(), 0.0),
-                        sigma,
-                    },
-                }
+                let found = twin((&there, model), own.0, own.1, shift);
+                let none = || changed(number.name(model, c), number.unit(), 0.0);
+                let unknown = found.map_or_else(none, |(unknown, _)| unknown);
+                Twin { unknown, sigma }
             };
             let name = number.name(model, 0);
             let what = match number {

@@ -78,10 +78,7 @@ pub(super) fn conventions(
             if decrease <= least {
                 continue;
             }
-            best = Some(Suspect {
-                repair: convention.repair(whole),
-                ..named(whole, &convention, (decrease, excess))
-            });
+            best = Some(named(whole, &convention, (decrease, excess)));
             // Correct, not only better: the others need no test.
             if excess - decrease < RIGHT * dof {
                 return best;
@@ -302,6 +299,7 @@ fn named(problem: &Problem, convention: &Convention, (decrease, excess): (f64, f
     let (fault, words) = convention.named(problem);
     Suspect {
         explains: (decrease / excess).clamp(0.0, 1.0),
+        repair: convention.repair(problem),
         ..Suspect::new(words, fault, decrease, values.into_iter().collect())
     }
 }

@@ -127,8 +127,8 @@ pub(crate) fn diagnose(experiment: &Experiment, fitted: &Fitted) -> Diagnostics 
         let text = format!(
             "the vehicle turns by {turn:.1} rad between samples, too much to test causes; are the times in seconds?"
         );
-        let finding = Finding::new(FaultKind::Unexplained, text);
-        out.findings.push(finding);
+        out.findings
+            .push(Finding::new(FaultKind::Unexplained, text));
     }
     out
 }

@@ -198,12 +198,8 @@ fn scored(all: &[Series], f: f64, damping: f64) -> Option<Oscillation> {
                 sum.driven[(axis, j)] -= raw[RIGID + 2 + j] * decrease;
             }
         }
-        let amplitude = |row: usize| {
-            let raw = whole.row(row).transpose();
-            raw.component_mul(&series.sigma)
-        };
         for row in [RIGID, RIGID + 1] {
-            let a = amplitude(row);
+            let a = whole.row(row).transpose().component_mul(&series.sigma);
             sum.free += a * a.transpose();
         }
     }
