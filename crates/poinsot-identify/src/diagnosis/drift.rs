@@ -66,13 +66,10 @@ pub(super) fn lags(table: &Table, projected: &Projected, mean_square: f64) -> Ve
         if ![SensorKind::Gyro, SensorKind::Attitude].contains(&model.sensors[sensor].kind) {
             continue;
         }
-        let lag = UnknownKind::Sensor {
-            sensor,
-            error: SensorError::Lag,
-        };
-        if let Some(at) = indices(table.candidates, |k| *k == lag).first() {
+        let lag = table.place(sensor, SensorError::Lag);
+        if let Some(at) = lag.and_then(|k| k.checked_sub(table.base)) {
             names.push(name);
-            group.push(*at);
+            group.push(at);
         }
     }
     let score = projected.score(&group, Some(ANY_LAG));

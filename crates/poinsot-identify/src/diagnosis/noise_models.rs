@@ -11,7 +11,6 @@ use super::table::Table;
 use super::types::{ChannelDiagnosis, FaultKind, Suspect, SuspectValue};
 use crate::fit::Fitted;
 use crate::fit::experiment::Experiment;
-use crate::problem::parameters::UnknownKind;
 use crate::problem::segment::SensorRecord;
 use poinsot_dynamics::SensorError;
 use poinsot_spatial::{Matrix3, Vector3};
@@ -146,16 +145,12 @@ fn step(record: &SensorRecord) -> Option<f64> {
 
 /// Jitter of sample times, by sensor: the residual is larger where the signal changes fast.
 fn jitters(table: &Table, mean_square: f64) -> Vec<Scored> {
-    let (experiment, unknowns) = (table.experiment, table.unknowns());
+    let experiment = table.experiment;
     let mut list = Vec::new();
     let model = experiment.problem.model;
     let limits = experiment.settings.diagnosis;
     for (sensor, name) in sensors_read(experiment.problem) {
-        let lag = UnknownKind::Sensor {
-            sensor,
-            error: SensorError::Lag,
-        };
-        let Some(place) = unknowns.iter().position(|u| u.kind == lag) else {
+        let Some(place) = table.place(sensor, SensorError::Lag) else {
             continue;
         };
         let pairs = table.residuals_beside(&name, place);

@@ -8,12 +8,11 @@
 use super::candidates::sensors_read;
 use super::projected::SHOWN;
 use super::pulse::pulse;
-use super::score::{ProjectedRows, Score, explained, found, momentum_jump, of_record};
+use super::score::{Best, ProjectedRows, Score, explained, momentum_jump, of_record};
 use super::suspects::Scored;
 use super::table::{SegmentRows, Table};
 use super::types::FaultKind;
 use crate::fit::experiment::Experiment;
-use crate::problem::parameters::{Unknown, UnknownKind};
 use nalgebra::{DMatrix, DVector};
 use poinsot_dynamics::SensorError;
 use poinsot_model::SensorKind;
@@ -40,7 +39,6 @@ type Summed = Vec<usize>;
 /// The best onset of each fault; pulses only if there is a misfit.
 pub(super) fn onsets(table: &Table, misfit: bool) -> Vec<Scored> {
     let experiment = table.experiment;
-    let unknowns = table.unknowns();
     let mut list = Vec::new();
     let Some(basis) = Basis::new(table) else {
         return list;
@@ -49,13 +47,11 @@ pub(super) fn onsets(table: &Table, misfit: bool) -> Vec<Scored> {
         let record = of_record(&experiment.problem.segments[s].label);
         let t = &experiment.problem.segments[s].observations.time_s;
         let clear = basis.clear(rows, experiment);
-        let (columns, kinds) = kinds(experiment, rows, &unknowns);
+        let (columns, kinds) = kinds(table, rows);
         let all = best(&kinds, &columns, (rows, &clear), experiment, s);
         for (onset, best) in kinds.iter().zip(all) {
-            if let Some((score, at, tried)) = best {
-                let name = format!("{} at {:.1} s{record}", onset.name, t[at]);
-                list.push(found(name, onset.fault, &score, tried));
-            }
+            let name = |_: &Score, at: &usize| format!("{} at {:.1} s{record}", onset.name, t[*at]);
+            list.extend(best.suspect(onset.fault, name));
         }
         if misfit {
             list.extend(pulse(experiment, rows, &clear, s));
@@ -65,18 +61,14 @@ pub(super) fn onsets(table: &Table, misfit: bool) -> Vec<Scored> {
 }
 
 /// The columns of all faults, and the faults.
-fn kinds(
-    experiment: &Experiment,
-    rows: &SegmentRows,
-    unknowns: &[&Unknown],
-) -> (Vec<Summed>, Vec<Onset>) {
+fn kinds(table: &Table, rows: &SegmentRows) -> (Vec<Summed>, Vec<Onset>) {
+    let problem = table.experiment.problem;
     let initial_columns = rows.initial_columns;
-    let place = |kind: &UnknownKind| {
-        let found = unknowns.iter().position(|u| u.kind == *kind);
+    let of = |sensor: usize, error| {
+        let found = table.place(sensor, error);
         found.map(|k| initial_columns + k)
     };
-    let of = |sensor: usize, error| place(&UnknownKind::Sensor { sensor, error });
-    let read = sensors_read(experiment.problem);
+    let read = sensors_read(problem);
     let mut columns: Vec<Summed> = (0..initial_columns).map(|k| vec![k]).collect();
     let mut list = vec![
         Onset {
@@ -109,7 +101,7 @@ fn kinds(
     if !lags.is_empty() {
         push("a jump of the clock", FaultKind::ClockJump, vec![lags]);
     }
-    let model = experiment.problem.model;
+    let model = problem.model;
     for (sensor, _) in read
         .iter()
         .filter(|r| model.sensors[r.0].kind == SensorKind::Attitude)
@@ -258,15 +250,15 @@ impl Products {
     }
 }
 
-/// For each fault the time from which it explains most, and how many were tried.
+/// For each fault the time from which it explains most.
 fn best(
     kinds: &[Onset],
     columns: &[Summed],
     (rows, clear): (&SegmentRows, &ProjectedRows),
     experiment: &Experiment,
     segment: usize,
-) -> Vec<Option<(Score, usize, usize)>> {
-    let mut found: Vec<Option<(Score, usize, usize)>> = kinds.iter().map(|_| None).collect();
+) -> Vec<Best<usize>> {
+    let mut found: Vec<Best<usize>> = kinds.iter().map(|_| Best::new()).collect();
     let Some(first) = clear.basis.first() else {
         return found;
     };
@@ -275,7 +267,6 @@ fn best(
     let margin = (MARGIN * times as f64).ceil() as usize;
     let mut sums = Products::new(columns.len(), first.len());
     let mut next = rows.of.len();
-    let mut tried = vec![0; kinds.len()];
     for (place, transition) in rows.transitions.iter().enumerate().rev() {
         let at = transition.at;
         while next > 0 && rows.of[next - 1].1 >= at {
@@ -288,7 +279,7 @@ fn best(
             continue;
         }
         let left = &sums.square - sums.onto.tr_mul(&sums.onto);
-        for ((onset, found), tried) in kinds.iter().zip(&mut found).zip(&mut tried) {
+        for (onset, found) in kinds.iter().zip(&mut found) {
             let (first, m) = (onset.columns.start, onset.columns.len());
             let part = |all: &DMatrix<f64>| all.view((first, first), (m, m)).into_owned();
             let toward = sums.toward.rows(first, m).into_owned();
@@ -302,15 +293,7 @@ fn best(
             } else {
                 explained(&left, &square, &toward)
             };
-            *tried += 1;
-            if found.as_ref().is_none_or(|f| score.decrease > f.0.decrease) {
-                *found = Some((score, at, 0));
-            }
-        }
-    }
-    for (found, tried) in found.iter_mut().zip(tried) {
-        if let Some(found) = found {
-            found.2 = tried.max(1);
+            found.take(score, at);
         }
     }
     found

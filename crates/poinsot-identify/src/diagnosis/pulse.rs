@@ -4,7 +4,7 @@
 //! to every time at hand, each row of a pulse is one product. Durations are tried by halves, then both ends of the best
 //! are moved.
 
-use super::score::{ProjectedRows, Score, explained, found, momentum_jump, of_record};
+use super::score::{Best, ProjectedRows, Score, explained, momentum_jump, of_record};
 use super::suspects::Scored;
 use super::table::SegmentRows;
 use super::types::FaultKind;
@@ -38,50 +38,44 @@ pub(super) fn pulse(
     let t = &experiment.problem.segments[segment].observations.time_s;
     let pulses = Pulses::new(experiment, rows, clear, (segment, t))?;
     let last = rows.transitions.len() - 1;
-    let mut best: Option<(Score, usize, usize)> = None;
-    let mut tried = 0;
-    let mut take = |from: usize, to: usize, best: &mut Option<(Score, usize, usize)>| {
-        let score = pulses.score(from, to);
-        tried += 1;
-        if best.as_ref().is_none_or(|b| score.decrease > b.0.decrease) {
-            *best = Some((score, from, to));
-        }
-    };
+    let mut best: Best<(usize, usize)> = Best::new();
     for share in DURATIONS {
         let length = ((last as f64 * share) as usize).max(1);
         for from in (0..last.saturating_sub(length)).step_by(length.div_ceil(2)) {
-            take(from, from + length, &mut best);
+            let to = from + length;
+            best.take(pulses.score(from, to), (from, to));
         }
     }
-    let (_, from, to) = best.as_ref()?;
+    let (_, (from, to)) = best.found.as_ref()?;
     let mut step = (to - from).div_ceil(2);
     while step > 0 {
-        let (_, from, to) = best.as_ref()?;
-        let (from, to) = (*from, *to);
+        let (score, (from, to)) = best.found.as_ref()?;
+        let (before, from, to) = (score.decrease, *from, *to);
         let ends = [
             (from.saturating_sub(step), to),
             (from + step, to),
             (from, to.saturating_sub(step)),
             (from, (to + step).min(last)),
         ];
-        let before = best.as_ref().map_or(0.0, |b| b.0.decrease);
         for (from, to) in ends.into_iter().filter(|(a, b)| a < b) {
-            take(from, to, &mut best);
+            best.take(pulses.score(from, to), (from, to));
         }
-        if best.as_ref().is_some_and(|b| b.0.decrease <= before) {
+        if best.found.as_ref()?.0.decrease <= before {
             step /= 2;
         }
     }
-    let (score, from, to) = best?;
     let at = |k: usize| t[rows.transitions[k].at];
-    let who = match thruster(experiment, &score, segment) {
-        Some(name) => {
-            format!("a firing of {name} that is missing from the telemetry or did not happen")
-        }
-        None => "a force or torque that is missing from the telemetry or did not act".to_owned(),
-    };
-    let name = format!("{who}, {:.1} to {:.1} s{record},", at(from), at(to));
-    Some(found(name, FaultKind::Firing, &score, tried))
+    best.suspect(FaultKind::Firing, |score, (from, to)| {
+        let who = match thruster(experiment, score, segment) {
+            Some(name) => {
+                format!("a firing of {name} that is missing from the telemetry or did not happen")
+            }
+            None => {
+                "a force or torque that is missing from the telemetry or did not act".to_owned()
+            }
+        };
+        format!("{who}, {:.1} to {:.1} s{record},", at(*from), at(*to))
+    })
 }
 
 /// The thruster along which the force of a pulse acts.

@@ -29,13 +29,41 @@ pub(super) fn of_record(label: &str) -> String {
     }
 }
 
-/// A suspect with an onset, and the number of tested times.
-pub(super) fn found(name: String, fault: FaultKind, score: &Score, tried: usize) -> Scored {
-    Scored::alone(Suspect {
-        numbers: score.numbers,
-        times: tried,
-        ..Suspect::new(name, fault, score.decrease, Vec::new())
-    })
+/// The best of the places within a record that were tried, and how many these are.
+pub(super) struct Best<P> {
+    pub found: Option<(Score, P)>,
+    tried: usize,
+}
+
+impl<P> Best<P> {
+    /// None was tried as yet.
+    pub fn new() -> Self {
+        let (found, tried) = (None, 0);
+        Self { found, tried }
+    }
+
+    pub fn take(&mut self, score: Score, place: P) {
+        self.tried += 1;
+        let best = self.found.as_ref();
+        if best.is_none_or(|(best, _)| score.decrease > best.decrease) {
+            self.found = Some((score, place));
+        }
+    }
+
+    /// The suspect; `name` tells it with its place.
+    pub fn suspect(
+        &self,
+        fault: FaultKind,
+        name: impl FnOnce(&Score, &P) -> String,
+    ) -> Option<Scored> {
+        let (score, place) = self.found.as_ref()?;
+        let name = name(score, place);
+        Some(Scored::alone(Suspect {
+            numbers: score.numbers,
+            times: self.tried,
+            ..Suspect::new(name, fault, score.decrease, Vec::new())
+        }))
+    }
 }
 
 /// Changes of the start that change the momentum at a time and no pose; one column for each component.

@@ -10,7 +10,7 @@ use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::known_numbers::{SILENT, shifts};
 use crate::fit::triangle::conditional_estimate;
 use crate::likelihood::{Evaluated, Transition};
-use crate::problem::parameters::{Parameters, Unknown, UnknownKind};
+use crate::problem::parameters::{Parameters, UnknownKind};
 use crate::problem::prior::PriorRow;
 use crate::problem::segment::{BetweenReadings, InputErrors, Noise, Observations};
 use nalgebra::DMatrix;
@@ -266,7 +266,7 @@ impl<'a> Table<'a> {
         self.hold(&mut evaluated);
         self.silence(own);
         let kinds: Vec<UnknownKind> = extended.unknowns.iter().map(|u| u.kind.clone()).collect();
-        self.derive(&kinds);
+        self.derive();
         let late = (self.base..kinds.len()).filter(|k| kinds[*k].is_delay());
         let late: Vec<usize> = late.collect();
         let segments = experiment.problem.segments.iter();
@@ -346,18 +346,13 @@ impl<'a> Table<'a> {
     }
 
     /// Puts the columns that are made of others between the candidates and the residual.
-    fn derive(&mut self, kinds: &[UnknownKind]) {
+    fn derive(&mut self) {
         let drifts = self.candidates.iter().filter_map(|c| match c.columns {
             Columns::Ramp { sensor } => Some(sensor),
             _ => None,
         });
         for sensor in drifts {
-            let bias = |axis: usize| UnknownKind::Sensor {
-                sensor,
-                error: SensorError::Bias(axis),
-            };
-            let place = |axis: usize| kinds.iter().position(|kind| *kind == bias(axis));
-            let places = [0, 1, 2].map(place);
+            let places = [0, 1, 2].map(|axis| self.place(sensor, SensorError::Bias(axis)));
             let segments = self.experiment.problem.segments;
             for (own, segment) in self.segments.iter_mut().zip(segments) {
                 let t = &segment.observations.time_s;
@@ -513,11 +508,12 @@ impl<'a> Table<'a> {
         stacked.finish()
     }
 
-    /// All unknowns in the order of their columns: those of the fit, and the numbers of the candidates.
-    pub fn unknowns(&self) -> Vec<&Unknown> {
+    /// Column of an error of a sensor: an unknown of the fit, or a number of a candidate.
+    pub fn place(&self, sensor: usize, error: SensorError) -> Option<usize> {
+        let kind = UnknownKind::Sensor { sensor, error };
         let own = self.candidates.iter().flat_map(|c| &c.unknowns);
-        let fitted = self.experiment.parameters.unknowns.iter();
-        fitted.chain(own).collect()
+        let mut all = self.experiment.parameters.unknowns.iter().chain(own);
+        all.position(|u| u.kind == kind)
     }
 
     /// What the fit knows beside the samples.
