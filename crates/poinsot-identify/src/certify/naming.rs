@@ -317,7 +317,11 @@ fn joint_symmetries(
 fn moves(link: &Link, stands: bool, [c, p, joint]: [&str; 3]) -> Vec<(String, InertialParameters)> {
     let u = link.axis_C;
     let line = Matrix3::identity() - u * u.transpose();
-    let unit = |k| InertialParameters::from_array(&quantity::unit(k));
+    let each = |from: usize, words: &dyn Fn(&str) -> String| {
+        let unit = |k| InertialParameters::from_array(&quantity::unit(k));
+        let one = |k| (words(PARAMETER_NAMES[k]), unit(k));
+        (from..10).map(one).collect()
+    };
     match (link.motion, stands) {
         (Motion::Revolute(_), false) => vec![
             (
@@ -339,24 +343,14 @@ fn moves(link: &Link, stands: bool, [c, p, joint]: [&str; 3]) -> Vec<(String, In
                 ten(0.0, Vector3::zeros(), line),
             ),
         ],
-        (Motion::Prismatic(_), false) => {
-            let words = |name: &str| {
-                format!(
-                    "inertia element {name} of {c} can be exchanged with the inertia of {p} ({joint} slides without rotation)"
-                )
-            };
-            (4..10)
-                .map(|k| (words(PARAMETER_NAMES[k]), unit(k)))
-                .collect()
-        }
-        _ => {
-            let words = |name: &str| {
-                format!("{name} of {c} can be exchanged with {p}: the two moved as one body")
-            };
-            (0..10)
-                .map(|k| (words(PARAMETER_NAMES[k]), unit(k)))
-                .collect()
-        }
+        (Motion::Prismatic(_), false) => each(4, &|name| {
+            format!(
+                "inertia element {name} of {c} can be exchanged with the inertia of {p} ({joint} slides without rotation)"
+            )
+        }),
+        _ => each(0, &|name| {
+            format!("{name} of {c} can be exchanged with {p}: the two moved as one body")
+        }),
     }
 }
 
