@@ -52,15 +52,7 @@ pub fn inspect_files<P: AsRef<Path>>(
     let mut unused = plan::Unused::new(options);
     let mut all: Option<Inspection> = None;
     for path in &paths {
-        let one = in_parts(path, options, &mut unused)?;
-        all = Some(match all {
-            None => one,
-            Some(mut before) => {
-                before.sources.extend(one.sources.iter().cloned());
-                merge(&mut before, one);
-                before
-            }
-        });
+        add(&mut all, in_parts(path, options, &mut unused)?);
     }
     let mut repairs = Vec::new();
     unused.check(&paths, &mut repairs)?;
@@ -143,17 +135,18 @@ impl Parts<'_> {
         });
         let mut found = assemble::Found::default();
         assemble::add(self.path, plan, columns, strict, &mut found, &mut table)?;
-        let one = inspect(&table);
-        match &mut self.seen {
-            None => self.seen = Some(one),
-            Some(before) => merge(before, one),
-        }
+        add(&mut self.seen, inspect(&table));
         Ok(())
     }
 }
 
-/// Merges the summary of a later part or another file.
-fn merge(all: &mut Inspection, part: Inspection) {
+/// Adds the summary of a later part or another file.
+fn add(all: &mut Option<Inspection>, part: Inspection) {
+    let Some(all) = all else {
+        *all = Some(part);
+        return;
+    };
+    all.sources.extend(part.sources);
     for channel in part.channels {
         match all.channels.iter_mut().find(|c| c.name == channel.name) {
             Some(before) => join(before, &channel),
