@@ -52,25 +52,7 @@ impl<T: Real> Articulated<T> {
     #[inline(always)]
     pub fn pass_on(&self, r: &V3<T>, parent: &mut Self) {
         // C_P = C - M [r]x; J_P = J + [r]x C_P + ([r]x C)^T.
-        let M = &self.M;
-        let Mr = M3([
-            V3::new(
-                M.xy * r.z - M.xz * r.y,
-                M.yy * r.z - M.yz * r.y,
-                M.yz * r.z - M.zz * r.y,
-            ),
-            V3::new(
-                M.xz * r.x - M.xx * r.z,
-                M.yz * r.x - M.xy * r.z,
-                M.zz * r.x - M.xz * r.z,
-            ),
-            V3::new(
-                M.xx * r.y - M.xy * r.x,
-                M.xy * r.y - M.yy * r.x,
-                M.xz * r.y - M.yz * r.x,
-            ),
-        ]);
-        let C_P = self.C - Mr;
+        let C_P = self.C - self.M.full().times_skew(r);
         let ([px, py, pz], [cx, cy, cz]) = (C_P.crossed(r).0, self.C.crossed(r).0);
         parent.J += self.J;
         parent.J += Symmetric {
