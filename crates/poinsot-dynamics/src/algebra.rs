@@ -215,6 +215,17 @@ impl<T: Real> M3<T> {
         Matrix3::from([[a.x, a.y, a.z], [b.x, b.y, b.z], [c.x, c.y, c.z]])
     }
 
+    /// `x` times the identity.
+    #[inline(always)]
+    pub fn diagonal(x: T) -> Self {
+        let zero = x.all(0.0);
+        Self([
+            V3::new(x, zero, zero),
+            V3::new(zero, x, zero),
+            V3::new(zero, zero, x),
+        ])
+    }
+
     /// `self x`, `x` of one number or of several.
     #[inline(always)]
     pub fn times<U: Copy>(&self, x: &V3<U>) -> V3<T>

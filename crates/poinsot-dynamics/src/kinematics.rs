@@ -49,12 +49,10 @@ impl<T: Real> Kinematics<T> {
     #[inline(always)]
     pub(crate) fn over(tree: &Tree, zero: T) -> Self {
         let n = tree.bodies();
-        let one = M3::of(&nalgebra::Matrix3::identity())
-            .0
-            .map(|c| c.spread(zero));
+        let one = M3::diagonal(zero.all(1.0)).stored();
         let nothing = V3::all(zero).stored();
         Self {
-            R: vec![M3(one).stored(); n],
+            R: vec![one; n],
             p: vec![nothing; n],
             v: vec![nothing; n],
             w: vec![nothing; n],

@@ -282,14 +282,3 @@ fn beside<T: Real>(a: &M3<T>, b: &M3<T>) -> SMatrix<T, 3, 6> {
     let ([a, b, c], [d, e, f]) = (a.0, b.0);
     SMatrix::from([a, b, c, d, e, f].map(|v| [v.x, v.y, v.z]))
 }
-
-/// A multiple of the identity.
-#[inline(always)]
-fn diagonal<T: Real>(x: T) -> M3<T> {
-    let zero = x.all(0.0);
-    M3([
-        V3::new(x, zero, zero),
-        V3::new(zero, x, zero),
-        V3::new(zero, zero, x),
-    ])
-}

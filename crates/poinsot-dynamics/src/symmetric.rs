@@ -139,9 +139,8 @@ impl<T: Real> Symmetric<T> {
         if !factor.pivots_exceed(zero) {
             return None;
         }
-        let x = factor.solve(&V3::new(one, zero, zero));
-        let y = factor.solve(&V3::new(zero, one, zero));
-        let z = factor.solve(&V3::new(zero, zero, one));
+        let [x, y, z] = M3::diagonal(one).0;
+        let (x, y, z) = (factor.solve(&x), factor.solve(&y), factor.solve(&z));
         Some(Self::new([x.x, x.y, y.y, x.z, y.z, z.z]))
     }
 }

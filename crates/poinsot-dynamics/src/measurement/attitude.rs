@@ -1,7 +1,7 @@
 //! Attitude of a body in N: a star tracker. Its changes are small turns in the body's axes.
 
-use super::{Ideal, JointEffect, Measurement, OverJoint, Scene, beside, diagonal};
-use crate::algebra::{Real, V3};
+use super::{Ideal, JointEffect, Measurement, OverJoint, Scene, beside};
+use crate::algebra::{M3, Real, V3};
 use crate::quaternion;
 
 #[inline(always)]
@@ -12,7 +12,7 @@ pub(super) fn measure<T: Real>(scene: &Scene<T>) -> Measurement<T> {
     let value = Ideal::rotation(quaternion::product(&scene.pose.quaternion(), &of_body));
     Measurement {
         rate: Some(to_body.times(&V3::of(&scene.point.w)).stored()),
-        pose: beside(&to_body, &diagonal(zero)),
+        pose: beside(&to_body, &M3::diagonal(zero)),
         ..Measurement::new(value, zero)
     }
 }

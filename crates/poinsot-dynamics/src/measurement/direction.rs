@@ -1,7 +1,7 @@
 //! Direction of a vector known in N, seen from a body: sun sensor, magnetometer.
 
-use super::{Ideal, JointEffect, Measurement, OverJoint, Scene, attitude, beside, diagonal};
-use crate::algebra::{Real, V3};
+use super::{Ideal, JointEffect, Measurement, OverJoint, Scene, attitude, beside};
+use crate::algebra::{M3, Real, V3};
 
 /// `d_Bi = R_NBi^T d_N`.
 #[inline(always)]
@@ -19,7 +19,7 @@ pub(super) fn measure<T: Real>(scene: &Scene<T>) -> Option<Measurement<T>> {
     let w_NBi_Bi = to_body.times(&V3::of(&scene.point.w));
     Some(Measurement {
         rate: Some(d.cross(&w_NBi_Bi).stored()),
-        pose: beside(&to_body.crossed(&d), &diagonal(zero)),
+        pose: beside(&to_body.crossed(&d), &M3::diagonal(zero)),
         ..Measurement::new(Ideal::vector(d), zero)
     })
 }

@@ -1,7 +1,7 @@
 //! Gyro: the angular velocity of its body, in the body's axes.
 
-use super::{Ideal, JointEffect, Measurement, OverJoint, Scene, beside, diagonal};
-use crate::algebra::{Real, V3};
+use super::{Ideal, JointEffect, Measurement, OverJoint, Scene, beside};
+use crate::algebra::{M3, Real, V3};
 
 /// `w_NBi_Bi = R_BBi^T w_NBi_B`.
 #[inline(always)]
@@ -9,7 +9,7 @@ pub(super) fn measure<T: Real>(scene: &Scene<T>) -> Measurement<T> {
     let (to_body, w) = (scene.point.R_BiB(), V3::of(&scene.point.w));
     let zero = w.x.all(0.0);
     Measurement {
-        twist: beside(&diagonal(zero), &to_body),
+        twist: beside(&M3::diagonal(zero), &to_body),
         ..Measurement::new(Ideal::vector(to_body.times(&w)), zero)
     }
 }

@@ -1,7 +1,7 @@
 //! Position of a point in N.
 
-use super::{Ideal, JointEffect, Measurement, OverJoint, Scene, beside, diagonal};
-use crate::algebra::{Real, V3};
+use super::{Ideal, JointEffect, Measurement, OverJoint, Scene, beside};
+use crate::algebra::{M3, Real, V3};
 
 /// `p_NoP_N = p_NoBo_N + R_NB p_BoP_B`.
 #[inline(always)]
@@ -11,7 +11,7 @@ pub(super) fn measure<T: Real>(scene: &Scene<T>) -> Measurement<T> {
     let value = V3::of(&scene.pose.p_NoBo_N) + R_NB.times(&r);
     Measurement {
         rate: Some(R_NB.times(&V3::of(&point.v)).stored()),
-        pose: beside(&R_NB.times_skew(&-r), &diagonal(zero.all(1.0))),
+        pose: beside(&R_NB.times_skew(&-r), &M3::diagonal(zero.all(1.0))),
         ..Measurement::new(Ideal::vector(value), zero)
     }
 }

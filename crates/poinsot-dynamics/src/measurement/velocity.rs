@@ -1,7 +1,7 @@
 //! Velocity of a point in N; the difference of two is a velocity increment.
 
-use super::{Ideal, JointEffect, Measurement, OverJoint, Scene, beside, diagonal};
-use crate::algebra::{Real, V3};
+use super::{Ideal, JointEffect, Measurement, OverJoint, Scene, beside};
+use crate::algebra::{M3, Real, V3};
 
 /// `v_NP_N = R_NB v_NP_B`.
 #[inline(always)]
@@ -10,7 +10,7 @@ pub(super) fn measure<T: Real>(scene: &Scene<T>) -> Measurement<T> {
     let (r, v) = (V3::of(&scene.point.r), V3::of(&scene.point.v));
     let zero = v.x.all(0.0);
     Measurement {
-        pose: beside(&R_NB.times_skew(&-v), &diagonal(zero)),
+        pose: beside(&R_NB.times_skew(&-v), &M3::diagonal(zero)),
         twist: beside(&R_NB, &R_NB.times_skew(&-r)),
         ..Measurement::new(Ideal::vector(R_NB.times(&v)), zero)
     }

@@ -165,7 +165,7 @@ impl<T: Real> BaseMotion<T> {
     pub fn twist_rows(&self, state: &PoseMomentum<T>) -> StateRows<T> {
         let centre = &self.centre;
         let zero = centre.mass.all(0.0);
-        let axes = axes(zero);
+        let axes = M3::diagonal(zero.all(1.0)).0;
         let to_base = quaternion::rotation(&state.quaternion()).rows();
         let (l, h) = (V3::of(&centre.l_B), V3::of(&centre.h_SScm_B));
         let nothing = V3::all(zero);
@@ -187,7 +187,7 @@ impl<T: Real> BaseMotion<T> {
     pub fn pose_rows(&self, state: &PoseMomentum<T>, twist_rows: &StateRows<T>) -> StateRows<T> {
         let R = quaternion::rotation(&state.quaternion());
         let zero = self.centre.mass.all(0.0);
-        let axes = axes(zero);
+        let axes = M3::diagonal(zero.all(1.0)).0;
         let (v, w) = (V3::of(&self.twist.v), V3::of(&self.twist.w));
         let one_over_mass = zero.all(1.0) / self.centre.mass;
         let mut rows = StateRows::nothing(zero);
@@ -212,23 +212,13 @@ impl<T: Real> StateRows<T> {
     pub fn of_wrench(state: &PoseMomentum<T>, force_B: &Vector3<T>, torque_B: &Vector3<T>) -> Self {
         let R = quaternion::rotation(&state.quaternion());
         let (F, T) = (V3::of(force_B), V3::of(torque_B));
-        let axes = axes(F.x);
+        let axes = M3::diagonal(F.x.all(1.0)).0;
         let mut rows = Self::nothing(F.x.all(0.0));
         for (j, axis) in axes.iter().enumerate() {
             rows.attitude[j] = stack(&R.times(&axis.cross(&F)), &R.times(&axis.cross(&T)));
         }
         rows
     }
-}
-
-#[inline(always)]
-fn axes<T: Real>(like: T) -> [V3<T>; 3] {
-    let (zero, one) = (like.all(0.0), like.all(1.0));
-    [
-        V3::new(one, zero, zero),
-        V3::new(zero, one, zero),
-        V3::new(zero, zero, one),
-    ]
 }
 
 #[inline(always)]
