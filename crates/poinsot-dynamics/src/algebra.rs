@@ -5,7 +5,7 @@
 //! with a sum, so that all instruction sets give the same bits.
 
 use core::fmt::Debug;
-use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField;
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
@@ -182,13 +182,6 @@ impl<T: Real> AddAssign for V3<T> {
     }
 }
 
-impl<T: Real> SubAssign for V3<T> {
-    #[inline(always)]
-    fn sub_assign(&mut self, b: Self) {
-        *self = *self - b;
-    }
-}
-
 /// `[a; b]`.
 #[inline(always)]
 pub(crate) fn stack<T: Real>(a: &V3<T>, b: &V3<T>) -> [T; 6] {
@@ -250,7 +243,12 @@ impl<T: Real> M3<T> {
     /// `self^T`.
     #[inline(always)]
     pub fn transposed(&self) -> Self {
-        Self(self.rows())
+        let [a, b, c] = &self.0;
+        Self([
+            V3::new(a.x, b.x, c.x),
+            V3::new(a.y, b.y, c.y),
+            V3::new(a.z, b.z, c.z),
+        ])
     }
 
     /// `self [a]x`.
@@ -275,17 +273,6 @@ impl<T: Real> M3<T> {
     pub fn crossed(&self, r: &V3<T>) -> Self {
         let [a, b, c] = &self.0;
         Self([r.cross(a), r.cross(b), r.cross(c)])
-    }
-
-    /// The rows.
-    #[inline(always)]
-    pub fn rows(&self) -> [V3<T>; 3] {
-        let [a, b, c] = &self.0;
-        [
-            V3::new(a.x, b.x, c.x),
-            V3::new(a.y, b.y, c.y),
-            V3::new(a.z, b.z, c.z),
-        ]
     }
 }
 

@@ -153,8 +153,8 @@ impl<T: Real> ForwardDynamics<T> {
     #[inline(always)]
     pub fn add_wrench(&mut self, i: usize, force_B: &Vector3<T>, torque_Co_B: &Vector3<T>) {
         if let Some(node) = self.nodes.get_mut(i) {
-            node.inertia.F -= V3::of(force_B);
-            node.inertia.N -= V3::of(torque_Co_B);
+            node.inertia.F += -V3::of(force_B);
+            node.inertia.N += -V3::of(torque_Co_B);
         }
     }
 

@@ -67,7 +67,7 @@ impl<T: Real> Symmetric<T> {
     #[inline(always)]
     pub fn turned(&self, R: &M3<T>) -> Self {
         // Rows of R self, then the six dot products with the rows of R.
-        let [x, y, z] = R.rows();
+        let [x, y, z] = R.transposed().0;
         let (p, q, r) = (self.times(&x), self.times(&y), self.times(&z));
         Self::new([
             p.dot(&x),

@@ -166,7 +166,7 @@ impl<T: Real> BaseMotion<T> {
         let centre = &self.centre;
         let zero = centre.mass.all(0.0);
         let axes = M3::diagonal(zero.all(1.0)).0;
-        let to_base = quaternion::rotation(&state.quaternion()).rows();
+        let to_base = quaternion::rotation(&state.quaternion()).transposed().0;
         let (l, h) = (V3::of(&centre.l_B), V3::of(&centre.h_SScm_B));
         let nothing = V3::all(zero);
         let mut rows = StateRows::nothing(zero);
