@@ -17,26 +17,6 @@ pub enum Motion {
     Prismatic(usize),
 }
 
-/// A joint axis that is a coordinate axis of its body.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum AxisDirection {
-    X,
-    Y,
-    Z,
-}
-
-impl AxisDirection {
-    fn of(axis: &Vector3) -> Option<Self> {
-        let is = |e: Vector3| *axis == e;
-        match () {
-            () if is(Vector3::x()) => Some(Self::X),
-            () if is(Vector3::y()) => Some(Self::Y),
-            () if is(Vector3::z()) => Some(Self::Z),
-            () => None,
-        }
-    }
-}
-
 /// One body with the joint that carries it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Link {
@@ -54,7 +34,8 @@ pub struct Link {
     pub axis_P: Vector3,
     /// `R_PC_zero [axis]x` and `R_PC_zero [axis]x^2`: with them Rodrigues' formula is two scaled sums.
     rodrigues: [Matrix3; 2],
-    along: Option<AxisDirection>,
+    /// Which coordinate axis of this body the joint axis is, 0 to 2, if it is one.
+    along: Option<usize>,
 }
 
 /// Kinematic constants of a rotor.
@@ -105,7 +86,7 @@ impl Link {
             axis_C,
             axis_P: R_PC_zero * axis_C,
             rodrigues: [R_PC_zero * k, R_PC_zero * k * k],
-            along: AxisDirection::of(&axis_C),
+            along: (0..3).find(|k| axis_C == Vector3::ith(*k, 1.0)),
         }
     }
 
@@ -127,11 +108,11 @@ impl Link {
         let at_zero = M3::of(&self.R_PC_zero);
         match self.along {
             // About a coordinate axis the turn mixes the two other columns.
-            Some(AxisDirection::X) => turn::<T, 1, 2>(R_BP.product(&at_zero), sin, cos),
-            Some(AxisDirection::Y) => turn::<T, 2, 0>(R_BP.product(&at_zero), sin, cos),
-            Some(AxisDirection::Z) => turn::<T, 0, 1>(R_BP.product(&at_zero), sin, cos),
+            Some(0) => turn::<T, 1, 2>(R_BP.product(&at_zero), sin, cos),
+            Some(1) => turn::<T, 2, 0>(R_BP.product(&at_zero), sin, cos),
+            Some(2) => turn::<T, 0, 1>(R_BP.product(&at_zero), sin, cos),
             // Rodrigues.
-            None => {
+            _ => {
                 let [first, second] = &self.rodrigues;
                 let first = M3::of(first).spread(sin) * sin;
                 let second = M3::of(second).spread(sin) * (sin.all(1.0) - cos);
@@ -150,10 +131,10 @@ impl Link {
     #[inline(always)]
     pub(crate) fn axis_in_base<T: Real>(&self, R_BC: &M3<T>) -> V3<T> {
         match self.along {
-            Some(AxisDirection::X) => R_BC.0[0],
-            Some(AxisDirection::Y) => R_BC.0[1],
-            Some(AxisDirection::Z) => R_BC.0[2],
-            None => R_BC.times(&V3::of(&self.axis_C)),
+            Some(0) => R_BC.0[0],
+            Some(1) => R_BC.0[1],
+            Some(2) => R_BC.0[2],
+            _ => R_BC.times(&V3::of(&self.axis_C)),
         }
     }
 }
