@@ -147,25 +147,6 @@ impl<T: Real> BaseMotion<T> {
         let c = V3::of(&self.centre.p_BoScm_B);
         (*l / self.centre.mass - w.cross(&c), w)
     }
-
-    /// [`Self::twist_slope`] over any numbers, linear part first.
-    #[inline(always)]
-    pub(super) fn slope(&self, l: &V3<T>, h: &V3<T>, dc: &V3<T>) -> (V3<T>, V3<T>) {
-        let centre = &self.centre;
-        let (c, l_B) = (V3::of(&centre.p_BoScm_B), V3::of(&centre.l_B));
-        self.of_central(&-*l, &(dc.cross(&l_B) - (*h - c.cross(l))))
-    }
-
-    /// Change of the system's mass centre with one of the ten parameters of a body at `R_BC`, `p`, in B.
-    #[inline(always)]
-    pub(super) fn centre_slope(&self, R: &M3<T>, p: &V3<T>, parameter: usize) -> V3<T> {
-        let centre = &self.centre;
-        match parameter {
-            0 => (*p - V3::of(&centre.p_BoScm_B)) / centre.mass,
-            k @ 1..=3 => R.0[k - 1] / centre.mass,
-            _ => V3::all(centre.mass.all(0.0)),
-        }
-    }
 }
 
 impl BaseMotion {
@@ -181,8 +162,9 @@ impl BaseMotion {
     /// `momentum` and the system's mass centre by `dp_BoScm_B`: `-H^-1 ([dl; dh] - [0; dc x l])`.
     #[inline]
     pub fn twist_slope(&self, momentum: &Vector6<f64>, dp_BoScm_B: &Vector3<f64>) -> Vector6<f64> {
-        let (l, h) = halves(momentum);
-        stacked(&self.slope(&l, &h, &V3::of(dp_BoScm_B)))
+        let ((l, h), dc) = (halves(momentum), V3::of(dp_BoScm_B));
+        let (c, l_B) = (V3::of(&self.centre.p_BoScm_B), V3::of(&self.centre.l_B));
+        stacked(&self.of_central(&-l, &(dc.cross(&l_B) - (h - c.cross(&l)))))
     }
 
     /// Change of the system's mass centre, in B, with one of the ten parameters of a body of which the rotation `R_BC` and
@@ -194,8 +176,12 @@ impl BaseMotion {
         p_BoCo_B: &Vector3<f64>,
         parameter: usize,
     ) -> Vector3<f64> {
-        let slope = self.centre_slope(&M3::of(R_BC), &V3::of(p_BoCo_B), parameter);
-        slope.stored()
+        let centre = &self.centre;
+        match parameter {
+            0 => (p_BoCo_B - centre.p_BoScm_B) / centre.mass,
+            k @ 1..=3 => R_BC.column(k - 1) / centre.mass,
+            _ => Vector3::zeros(),
+        }
     }
 }
 
