@@ -17,7 +17,7 @@ use error::expect;
 use fearless_simd::Simd;
 use kernels::{Dynamics, Kernel, Momentum, Regressor};
 use poinsot_spatial::InertialParameters;
-use rows::{Groups, PER_BODY, Rows, TWIST};
+use rows::{PER_BODY, Rows, TWIST, groups};
 
 pub use error::BatchError;
 pub use motion::{Steps, integrate};
@@ -171,7 +171,7 @@ impl<K: Kernel> Work for Run<'_, K> {
         let mut scratch = kernel.scratch(tree, zero);
         let mut q = vec![zero; tree.dof()];
         let mut rates = q.clone();
-        for (group, of) in Groups::new(tree, simd, width, self.out) {
+        for (group, of) in groups(tree, simd, width, self.out) {
             let at = group.rows(states.q, tree.dof());
             let moving = group.rows(states.rates, tree.dof());
             for (j, (q, rate)) in q.iter_mut().zip(&mut rates).enumerate() {

@@ -3,7 +3,7 @@
 use super::error::{BatchError, expect};
 use super::free_motion::{FreeMotion, JOINTS};
 use super::kernels::spread;
-use super::rows::{Groups, Rows};
+use super::rows::{Rows, groups};
 use crate::lanes::{Lanes, Work, in_lanes};
 use crate::motion::joint_drive::ForceProfile;
 use crate::motion::runge_kutta::RungeKutta4;
@@ -83,7 +83,7 @@ impl Work for Moving<'_> {
         let mut y = vec![zero; width];
         let mut rule = RungeKutta4::like(&y);
         let mut flow = FreeMotion::new(tree, spread(tree, bodies, zero), self.motors, zero);
-        for (mut group, of) in Groups::new(tree, simd, width, self.states) {
+        for (mut group, of) in groups(tree, simd, width, self.states) {
             group.gather(bodies, &mut flow.bodies);
             let first = std::mem::take(&mut group.first);
             let rows = group.rows(of, width);

@@ -25,51 +25,25 @@ pub(super) struct Group<'a, S: Simd> {
     pub count: usize,
 }
 
-/// The groups of all states, each with its rows of the result.
-pub(super) struct Groups<'a, S> {
+/// The groups of the states that have rows of `width` numbers in `out`, each with its rows.
+#[inline(always)]
+pub(super) fn groups<'a, S: Simd>(
     tree: &'a Tree,
     simd: S,
-    /// Numbers of a row.
     width: usize,
-    /// Index of the next state.
-    first: usize,
-    rest: &'a mut [f64],
-}
-
-impl<'a, S: Simd> Groups<'a, S> {
-    /// The groups of the states that have rows of `width` numbers in `out`.
-    #[inline(always)]
-    pub fn new(tree: &'a Tree, simd: S, width: usize, out: &'a mut [f64]) -> Self {
-        Self {
+    out: &'a mut [f64],
+) -> impl Iterator<Item = (Group<'a, S>, &'a mut [f64])> {
+    let lanes = Lanes::<S>::COUNT;
+    let parts = out.chunks_mut((lanes * width).max(1)).enumerate();
+    parts.map(move |(k, of)| {
+        let group = Group {
             tree,
             simd,
-            width,
-            first: 0,
-            rest: out,
-        }
-    }
-}
-
-impl<'a, S: Simd> Iterator for Groups<'a, S> {
-    type Item = (Group<'a, S>, &'a mut [f64]);
-
-    #[inline(always)]
-    fn next(&mut self) -> Option<Self::Item> {
-        let numbers = self.rest.len().min(Lanes::<S>::COUNT * self.width);
-        if numbers == 0 {
-            return None;
-        }
-        let (of, rest) = std::mem::take(&mut self.rest).split_at_mut(numbers);
-        let group = Group {
-            tree: self.tree,
-            simd: self.simd,
-            first: self.first,
-            count: numbers / self.width,
+            first: lanes * k,
+            count: of.len() / width,
         };
-        self.rest = rest;
-        self.first += group.count;
-        Some((group, of))
-    }
+        (group, of)
+    })
 }
 
 impl<S: Simd> Group<'_, S> {
