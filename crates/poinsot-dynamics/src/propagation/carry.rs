@@ -90,9 +90,8 @@ impl<R: Copy> StepRows<'_, R> {
         dt: f64,
     ) {
         let (start, start_momentum) = halves(x);
-        let start = [start[0], start[1], start[2]];
-        let start_momentum = *start_momentum;
-        let (start, drive) = ((start, start_momentum), (pose, momentum));
+        let start = ([start[0], start[1], start[2]], *start_momentum);
+        let drive = (pose, momentum);
         let two = start.0[0].all(2.0);
         let slope = self.slope(0, &start, drive);
         let mut sum = slope;

@@ -799,9 +799,8 @@ impl Flexibility {
             *held = change.twist.into();
             self.rate_change(motion, &change, &no_force)
         };
-        let (attitude, momentum) = map.columns_mut();
         let outs = rows.attitude.iter_mut().chain(&mut rows.momentum);
-        for (out, held) in outs.zip(attitude.iter_mut().chain(momentum)) {
+        for (out, held) in outs.zip(map.attitude.iter_mut().chain(&mut map.momentum)) {
             *out = follow(held).into();
         }
         let R = *state.R_NB.to_rotation_matrix().matrix();

@@ -18,8 +18,8 @@ const ATTITUDE: usize = 3;
 /// Six rows over a change of the state. The position enters nowhere, so its three columns are left out.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct StateRows<T = f64> {
-    attitude: [[T; HALF]; ATTITUDE],
-    momentum: [[T; HALF]; HALF],
+    pub(super) attitude: [[T; HALF]; ATTITUDE],
+    pub(super) momentum: [[T; HALF]; HALF],
     /// Whether a momentum enters.
     pub(super) coupled: bool,
 }
@@ -102,11 +102,6 @@ impl StateRows {
             coupled: momentum != [[0.0; HALF]; HALF],
             momentum,
         }
-    }
-
-    /// The columns of attitude and momenta.
-    pub(super) fn columns_mut(&mut self) -> (&mut [[f64; HALF]], &mut [[f64; HALF]]) {
-        (&mut self.attitude, &mut self.momentum)
     }
 
     /// All twelve columns.
