@@ -3,7 +3,7 @@
 //! Index loops instead of closures: a closure does not inherit the instruction set of its caller.
 #![allow(clippy::needless_range_loop)]
 
-use std::ops::{Add, Div, Mul, Sub};
+use std::ops::{Add, Mul, Sub};
 
 /// Number of lanes.
 pub const LANES: usize = 8;
@@ -92,18 +92,6 @@ impl Mul for V {
         let mut out = self.0;
         for k in 0..LANES {
             out[k] *= other.0[k];
-        }
-        Self(out)
-    }
-}
-
-impl Div for V {
-    type Output = Self;
-    #[inline(always)]
-    fn div(self, other: Self) -> Self {
-        let mut out = self.0;
-        for k in 0..LANES {
-            out[k] /= other.0[k];
         }
         Self(out)
     }

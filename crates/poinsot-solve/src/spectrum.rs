@@ -89,9 +89,6 @@ impl Spectrum {
         relative_accuracy: f64,
     ) -> Result<Self, NotFinite> {
         let n = natural.len();
-        if n == 0 {
-            return Ok(Self::empty());
-        }
         let scaled = Mat::from_fn(n, n, |i, j| R[(i, j)] * natural[j]);
         if (0..n).any(|j| (0..n).any(|i| !scaled[(i, j)].is_finite())) {
             return Err(NotFinite);
@@ -243,24 +240,6 @@ impl Spectrum {
     pub fn sigmas(&self) -> Vec<f64> {
         let sigma = |s: &f64| if *s > 0.0 { 1.0 / s } else { f64::INFINITY };
         self.singular.iter().map(sigma).collect()
-    }
-
-    /// The spectrum of a problem without unknown mass properties.
-    fn empty() -> Self {
-        Self {
-            natural: Vec::new(),
-            singular: Vec::new(),
-            directions: Mat::zeros(0, 0),
-            left: Mat::zeros(0, 0),
-            noise: Vec::new(),
-            rank: 0,
-            accurate: 0,
-            told: 0,
-            structural_rank: 0,
-            bias: Vec::new(),
-            accuracy: f64::INFINITY,
-            experiment: None,
-        }
     }
 
     /// The spectrum of an estimator's own triangle within the directions that `experiment` identifies.
