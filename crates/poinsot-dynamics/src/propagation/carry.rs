@@ -2,7 +2,7 @@
 
 use super::internal::INTERNAL;
 use super::modes::ModeRows;
-use super::rows::{StateRows, add, halves};
+use super::rows::{StateRows, add};
 use super::{COLUMN, HALF, STATE};
 use crate::algebra::Real;
 use core::ops::Mul;
@@ -89,8 +89,8 @@ impl<R: Copy> StepRows<'_, R> {
         momentum: &[[T; HALF]; 3],
         dt: f64,
     ) {
-        let (start, start_momentum) = halves(x);
-        let start = ([start[0], start[1], start[2]], *start_momentum);
+        let [p, q, r, _, _, _, a, b, c, d, e, f] = *x;
+        let start = ([p, q, r], [a, b, c, d, e, f]);
         let drive = (pose, momentum);
         let two = start.0[0].all(2.0);
         let slope = self.slope(0, &start, drive);

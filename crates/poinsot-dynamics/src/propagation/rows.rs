@@ -125,13 +125,6 @@ impl StateRows {
     }
 }
 
-/// Pose and momentum of a change of the state.
-#[inline(always)]
-pub(super) fn halves<T>(x: &[T; STATE]) -> (&[T; HALF], &[T; HALF]) {
-    let (pose, momentum) = x.as_chunks::<HALF>().0.split_at(1);
-    (&pose[0], &momentum[0])
-}
-
 /// What a change of the twist `[v; w]` does to the rate of the pose, `[dphi_B'; dp_N']`.
 ///
 /// ```
