@@ -1,7 +1,7 @@
 //! Momentum of the system about the base origin, the inverse map to the base twist, and the shift
 //! between the base and the inertial frame.
 
-use crate::algebra::{M3, Real, V3};
+use crate::algebra::{M3, Real, V3, stack};
 use crate::inertial::Inertial;
 use crate::kinematics::Kinematics;
 use crate::tree::Tree;
@@ -81,7 +81,7 @@ fn of_body<T: Real>(
 #[inline]
 pub fn momentum(parameters: &[InertialParameters], kinematics: &Kinematics) -> Vector6 {
     let (l, h) = of_bodies(parameters.iter().map(Inertial::of), kinematics, 0.0);
-    Vector6::new(l.x, l.y, l.z, h.x, h.y, h.z)
+    stack(&l, &h).into()
 }
 
 /// The same over any numbers.
@@ -162,10 +162,7 @@ pub fn composite_and_momentum(
         h += own.I.times(&w) + own.mc.cross(&v) + p.cross(&dl);
         whole += own.seen_from(&p);
     }
-    (
-        Composite::of(&whole),
-        Vector6::new(l.x, l.y, l.z, h.x, h.y, h.z),
-    )
+    (Composite::of(&whole), stack(&l, &h).into())
 }
 
 /// The same over any numbers.

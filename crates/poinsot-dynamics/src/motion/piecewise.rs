@@ -172,9 +172,6 @@ impl PiecewisePolynomial {
         piece: impl Fn(usize, f64, f64) -> [f64; 6],
     ) -> Result<Self, NodeError> {
         check(times, values)?;
-        let (Some(first), Some(last)) = (values.first(), values.last()) else {
-            return Err(NodeError::Empty);
-        };
         let pieces = values
             .windows(2)
             .enumerate()
@@ -183,8 +180,8 @@ impl PiecewisePolynomial {
         Ok(Self {
             nodes: times.to_vec(),
             pieces,
-            before: *first,
-            after: *last,
+            before: values[0],
+            after: values[values.len() - 1],
         })
     }
 }
