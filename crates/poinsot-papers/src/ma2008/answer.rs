@@ -238,13 +238,7 @@ fn limits(
     let velocity = root(&step.unwrap_or(problem.noise.velocity));
     let rate = root(&problem.noise.gyro);
     // The errors of increments add up.
-    let grown = |k: usize| {
-        if step.is_some() {
-            (k as f64).sqrt()
-        } else {
-            1.0
-        }
-    };
+    let grown = |k: usize| step.map_or(1.0, |_| (k as f64).sqrt());
     let errors = |s: &Reading, k: usize| [s.R_NB.transpose() * velocity * grown(k), rate];
     Limits::of(segments, given, solved, errors)
 }

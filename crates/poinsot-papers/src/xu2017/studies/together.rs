@@ -39,8 +39,7 @@ pub fn cases(context: &Context) -> Result<[CaseText; 4], StudyError> {
     let shipped = context.case(CASE)?;
     let text = &shipped.text;
     let part = |mark: &str| text.find(mark).ok_or(format!("{CASE} has no part {mark}"));
-    let marks = ["[initial]", "[[joint_motion]]", "[output]"].map(part);
-    let [initial, joints, output] = marks;
+    let [initial, joints, output] = ["[initial]", "[[joint_motion]]", "[output]"].map(part);
     let (initial, joints, output) = (initial?, joints?, output?);
     let (head, start) = (&text[..initial], &text[initial..joints]);
     let (all, tail) = (&text[joints..output], &text[output..]);
