@@ -130,8 +130,7 @@ impl Question {
     ) -> Result<Self, Error> {
         let mut case = case.clone();
         case.tolerance.relative = case.tolerance.relative.max(TOLERANCE);
-        let bound = case.bind_around(&model, design.open());
-        let scenario = bound?;
+        let scenario = case.bind_around(&model, design.open())?;
         Ok(Self {
             case,
             scenario,
