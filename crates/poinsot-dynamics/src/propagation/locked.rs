@@ -1,5 +1,6 @@
 //! The vehicle as one body at its joints' positions, and the motion of its base that pose and momentum give.
 
+use super::rows::parts;
 use super::state::PoseMomentum;
 use crate::algebra::{M3, Real, V3, stack};
 use crate::inertial::Inertial;
@@ -53,7 +54,7 @@ impl LockedVehicle {
     /// without the axial inertia of wheels whose axial momentum is given, not their speed. `None` without positive mass or inertia.
     pub fn new(whole: &Composite, turning: &Composite, joints: &Vector6<f64>) -> Option<Self> {
         let [whole, turning] = [whole, turning].map(|c| Inertial::of(&c.parameters()));
-        let (l, h) = halves(joints);
+        let (l, h) = parts(&joints.data.0[0]);
         Self::over(&whole, &turning, (&l, &h))
     }
 }
@@ -153,7 +154,7 @@ impl BaseMotion {
     /// `H^-1 [l; h]`: the base twist `[v; w]` that a momentum about `Bo` gives, both in B.
     #[inline]
     pub fn twist_of(&self, momentum: &Vector6<f64>) -> Vector6<f64> {
-        let (l, h) = halves(momentum);
+        let (l, h) = parts(&momentum.data.0[0]);
         let c = V3::of(&self.centre.p_BoScm_B);
         stacked(&self.of_central(&l, &(h - c.cross(&l))))
     }
@@ -162,7 +163,7 @@ impl BaseMotion {
     /// `momentum` and the system's mass centre by `dp_BoScm_B`: `-H^-1 ([dl; dh] - [0; dc x l])`.
     #[inline]
     pub fn twist_slope(&self, momentum: &Vector6<f64>, dp_BoScm_B: &Vector3<f64>) -> Vector6<f64> {
-        let ((l, h), dc) = (halves(momentum), V3::of(dp_BoScm_B));
+        let ((l, h), dc) = (parts(&momentum.data.0[0]), V3::of(dp_BoScm_B));
         let (c, l_B) = (V3::of(&self.centre.p_BoScm_B), V3::of(&self.centre.l_B));
         stacked(&self.of_central(&-l, &(dc.cross(&l_B) - (h - c.cross(&l)))))
     }
@@ -183,11 +184,6 @@ impl BaseMotion {
             _ => Vector3::zeros(),
         }
     }
-}
-
-#[inline(always)]
-fn halves(x: &Vector6<f64>) -> (V3<f64>, V3<f64>) {
-    (V3::new(x.x, x.y, x.z), V3::new(x.w, x.a, x.b))
 }
 
 #[inline(always)]

@@ -209,7 +209,8 @@ impl<T: Real> StateRows<T> {
     }
 }
 
+/// The two vectors of a twist or momentum.
 #[inline(always)]
-fn parts<T: Real>(x: &[T; HALF]) -> (V3<T>, V3<T>) {
+pub(super) fn parts<T: Real>(x: &[T; HALF]) -> (V3<T>, V3<T>) {
     (V3::new(x[0], x[1], x[2]), V3::new(x[3], x[4], x[5]))
 }
