@@ -11,9 +11,11 @@
 //! `Js Omega a` with the speed `Omega` relative to the host.
 
 use crate::{Matrix3, Matrix6, Vector3, Vector6, turn};
+use serde::Deserialize;
 
 /// Joint between a body and its parent.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum KitJoint {
     /// The free base: no parent.
     Base,

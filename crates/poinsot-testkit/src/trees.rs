@@ -78,7 +78,7 @@ pub struct TreeCase {
 #[serde(deny_unknown_fields)]
 struct BodyRecord {
     parent: i64,
-    kind: Kind,
+    kind: KitJoint,
     p_PoCo_P: [f64; 3],
     R_PC_zero: [f64; 9],
     axis_C: [f64; 3],
@@ -86,15 +86,6 @@ struct BodyRecord {
     com: [f64; 3],
     /// xx, xy, yy, xz, yz, zz
     I_com: [f64; 6],
-}
-
-#[derive(Deserialize, Clone, Copy)]
-#[serde(rename_all = "lowercase")]
-enum Kind {
-    Base,
-    Revolute,
-    Prismatic,
-    Fixed,
 }
 
 #[derive(Deserialize)]
@@ -116,12 +107,7 @@ impl BodyRecord {
         let [xx, xy, yy, xz, yz, zz] = self.I_com;
         KitBody {
             parent: usize::try_from(self.parent).unwrap_or(0),
-            joint: match self.kind {
-                Kind::Base => KitJoint::Base,
-                Kind::Revolute => KitJoint::Revolute,
-                Kind::Prismatic => KitJoint::Prismatic,
-                Kind::Fixed => KitJoint::Fixed,
-            },
+            joint: self.kind,
             p_PoCo_P: self.p_PoCo_P.into(),
             R_PC_zero: Matrix3::from_row_slice(&self.R_PC_zero),
             axis_C: self.axis_C.into(),
