@@ -127,6 +127,11 @@ impl Part {
         }
     }
 
+    /// The same part with figures.
+    pub fn with_figures(self, figures: Vec<Figure>) -> Self {
+        Self { figures, ..self }
+    }
+
     /// Sections of a document: tables with captions, lists with titles.
     ///
     /// # Errors

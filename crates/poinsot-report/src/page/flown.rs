@@ -23,10 +23,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     let vehicle = &answer.data.vehicle;
     let context = context! { records, vehicle };
     let body = TEMPLATES.html("flown.html", context)?;
-    Ok(Part {
-        figures,
-        ..Part::new("flown", "What was flown", body)
-    })
+    Ok(Part::new("flown", "What was flown", body).with_figures(figures))
 }
 
 fn plots(record: usize, s: &Segment, envelope: &Envelope) -> Vec<(&'static str, Plot)> {

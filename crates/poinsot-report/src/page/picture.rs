@@ -40,10 +40,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     let figure = Figure::scene(name, scene);
     let context = context! { picture => figure.html()?.value(), name };
     let body = TEMPLATES.html("picture.html", context)?;
-    Ok(Part {
-        figures: vec![figure],
-        ..Part::new("motion", "Poinsot's picture", body)
-    })
+    Ok(Part::new("motion", "Poinsot's picture", body).with_figures(vec![figure]))
 }
 
 /// The whole vehicle if there are several bodies, otherwise the body.

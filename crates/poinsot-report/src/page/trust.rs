@@ -46,10 +46,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
             validate => !e.is_withheld(),
         },
     )?;
-    Ok(Part {
-        figures,
-        ..Part::new("trust", "Trust", body)
-    })
+    Ok(Part::new("trust", "Trust", body).with_figures(figures))
 }
 
 /// Cost of every step of the fit above the last; `None` without a higher one.

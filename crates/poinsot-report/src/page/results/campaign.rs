@@ -57,15 +57,9 @@ pub fn campaign_page(result: &CampaignFile) -> Result<Page, PageError> {
             .transpose()?
             .unwrap_or_default(),
     };
-    let answer = Part {
-        figures: first,
-        ..opening.part()?
-    };
+    let answer = opening.part()?.with_figures(first);
     let body = Figure::page(&figures)?;
-    let drawn = Part {
-        figures,
-        ..Part::new("figures", "Figures", body)
-    };
+    let drawn = Part::new("figures", "Figures", body).with_figures(figures);
     let tables = table_document(result).sections;
     let tables = Part::of_sections("tables", "Tables", &result.about, &tables)?;
     let digest = result.digest.get(..12).unwrap_or_default();

@@ -15,8 +15,8 @@ use super::vehicle::Flown;
 use super::{no_page, open, parse};
 use indexmap::IndexMap;
 use poinsot_figures::{
-    Axis, Document, Figure, Html, Light, Mark, Opening, Page, PageError, Part, Plot, Section,
-    Series, Tone,
+    Axis, Document, Figure, Light, Mark, Opening, Page, PageError, Part, Plot, Section, Series,
+    Tone,
 };
 use poinsot_formats::{IdentifiabilityFile, check_files, checksum};
 use serde::Deserialize;
@@ -122,11 +122,8 @@ fn page(shown: Shown) -> Result<Page, PageError> {
     parts[0].figures.extend(shown.beside);
     let (title, figures) = shown.curves;
     if !figures.is_empty() {
-        parts.push(Part {
-            body: Figure::page(&figures)?,
-            figures,
-            ..Part::new("curves", title, Html::default())
-        });
+        let body = Figure::page(&figures)?;
+        parts.push(Part::new("curves", title, body).with_figures(figures));
     }
     if let Some(found) = shown.open {
         parts.extend(open::of(&found, shown.several)?);
