@@ -251,10 +251,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
 
     /// Follows a motion over an interval, and its columns.
     fn follow(&mut self, from: &PoseMomentum, interval: &Interval) -> Option<PoseMomentum> {
-        let moving = Moving {
-            configuration: &self.configuration,
-            body: &self.body,
-        };
+        let moving = Moving::new(&self.configuration, &self.body);
         self.columns.begin();
         let linear = Some((&mut self.columns, &self.shown));
         moving.follow(from, interval, linear)
@@ -375,11 +372,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let columns = &self.columns;
         for i in 0..theta {
             let (row, out) = (&self.rows[i], &mut self.work[i]);
-            let mut over = StateVector::zeros();
-            for (k, component) in layout.state().iter().enumerate() {
-                over[*component] = row[layout.pose() + k];
-            }
-            let over = back.tr_mul(&over);
+            let over = back.tr_mul(&layout.of_state(row));
             *out = [0.0; N];
             for (k, &input) in layout.inputs().iter().enumerate() {
                 out[k] = row[k] - over.dot(&columns.inputs[0][input]);
@@ -463,10 +456,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     /// The motion in hand.
     pub(crate) fn here(&mut self) -> Option<Here> {
         let running = self.running.as_mut()?;
-        let moving = Moving {
-            configuration: &self.configuration,
-            body: &self.body,
-        };
+        let moving = Moving::new(&self.configuration, &self.body);
         let (_, locked) = moving.locked(&running.inputs, &Acting::zeros())?;
         running.rate = locked.base_motion(&running.state).twist.w;
         let calm = self.shown.calm(&running.inputs);
@@ -570,10 +560,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         self.follow(&step.from, &step.interval)?;
         let (layout, columns) = (self.layout, &self.columns);
         for row in &mut self.rows[..layout.columns()] {
-            let mut over = StateVector::zeros();
-            for (k, component) in layout.state().iter().enumerate() {
-                over[*component] = row[layout.pose() + k];
-            }
+            let over = layout.of_state(row);
             for (j, &k) in layout.unknown().iter().enumerate() {
                 row[layout.theta() + j] -= over.dot(&(columns.parameters[k] - step.parameters[k]));
             }
@@ -702,10 +689,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let before = here.momentum_slopes();
         let layout = self.layout;
         let running = self.running.as_mut()?;
-        let mut state = StateVector::zeros();
-        for (k, component) in layout.state().iter().enumerate() {
-            state[*component] = change[layout.pose() + k];
-        }
+        let state = layout.of_state(change);
         let part = |first: usize| Vector3::new(state[first], state[first + 1], state[first + 2]);
         let of_state = &mut running.state;
         of_state.R_NB *= UnitQuaternion::from_scaled_axis(part(0));
@@ -729,10 +713,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         };
         let theta = layout.theta();
         for row in &mut self.rows[..layout.columns()] {
-            let mut over = StateVector::zeros();
-            for (k, component) in layout.state().iter().enumerate() {
-                over[*component] = row[layout.pose() + k];
-            }
+            let over = layout.of_state(row);
             let over = over.fixed_rows::<6>(LINEAR).into_owned();
             let mut with_rate = SVector::<f64, PARAMETERS>::zeros();
             for (j, &k) in layout.unknown().iter().enumerate() {

@@ -1,6 +1,7 @@
 //! Places of the columns.
 
 use crate::configuration::{AXES, Configuration, INPUTS, PARAMETERS, WHEELS};
+use crate::motion::StateVector;
 
 /// Components of the kernels' state `[dphi_B, dp_N, dP_N, dh_N]`, in the order of the filter's columns.
 const ROTATION: [usize; 6] = [0, 1, 2, 9, 10, 11];
@@ -71,6 +72,15 @@ impl Layout {
     /// First column of the state.
     pub fn pose(&self) -> usize {
         self.input_count
+    }
+
+    /// The components of the state in a row over the columns.
+    pub fn of_state<const N: usize>(&self, row: &[f64; N]) -> StateVector {
+        let mut state = StateVector::zeros();
+        for (k, component) in self.state().iter().enumerate() {
+            state[*component] = row[self.pose() + k];
+        }
+        state
     }
 
     /// First column of the gyro bias.

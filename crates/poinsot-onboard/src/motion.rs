@@ -442,7 +442,14 @@ impl Interval {
     }
 }
 
-impl Moving<'_> {
+impl<'a> Moving<'a> {
+    pub fn new(configuration: &'a Configuration, body: &'a [f64; PARAMETERS]) -> Self {
+        Self {
+            configuration,
+            body,
+        }
+    }
+
     /// What acts with these inputs.
     ///
     /// Of the joints it is the twist, not the momentum: errors of positions take it along a path that they close again, and what is left of

@@ -29,10 +29,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             self.conclude(verdict);
             return;
         }
-        let moving = Moving {
-            configuration: &self.configuration,
-            body: &self.body,
-        };
+        let moving = Moving::new(&self.configuration, &self.body);
         if !self.window.gather(sample, &moving) || !self.window.is_due() {
             return;
         }
@@ -40,10 +37,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         self.window.replayed = verdict != Verdict::Lost;
         let near = self.window.replayed && self.is_near();
         let full = self.window.count == WINDOW;
-        let moving = Moving {
-            configuration: &self.configuration,
-            body: &self.body,
-        };
+        let moving = Moving::new(&self.configuration, &self.body);
         self.window.done = near || (full && !self.window.thin(&moving));
         self.conclude(verdict);
     }
