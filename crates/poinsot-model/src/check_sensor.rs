@@ -20,6 +20,14 @@ struct Readable<'a> {
     items: Vec<(usize, &'a str, &'static str)>,
 }
 
+/// A sensor of the file.
+struct Declared<'f> {
+    file: &'f SensorFile,
+    /// With the meaning of `seen_from`.
+    kind: SensorKind,
+    key: Key,
+}
+
 fn readables(file: &ModelFile) -> [Readable<'_>; 4] {
     let joints = |kind, revolute, prismatic| {
         let items = each(&file.joint, |k, joint| {
@@ -80,7 +88,7 @@ impl Check<'_, '_> {
         let from = self.seen_from(file, (kind, body), &key);
         let kind = from.map_or(kind, |(relative, _)| relative);
         let readable = readable.iter().find(|r| r.kind == kind);
-        let sensor = self.sensor(file, kind, &key, readable);
+        let sensor = self.sensor(&Declared { file, kind, key }, readable);
         Some(Sensor {
             body: body?,
             seen_from: from?.1,
@@ -113,16 +121,11 @@ impl Check<'_, '_> {
         Some((relative, from))
     }
 
-    fn sensor(
-        &mut self,
-        file: &SensorFile,
-        kind: SensorKind,
-        key: &Key,
-        readable: Option<&Readable<'_>>,
-    ) -> Option<Sensor> {
+    fn sensor(&mut self, own: &Declared, readable: Option<&Readable<'_>>) -> Option<Sensor> {
+        let Declared { file, kind, key } = own;
         let before = self.findings.count();
-        let unit = self.unit(file, key);
-        let of = readable.map_or_else(Vec::new, |r| self.measured(file, unit, key, r));
+        let unit = self.unit(own);
+        let of = readable.map_or_else(Vec::new, |r| self.measured(own, unit, r));
         if kind.is_scalar() && of.is_empty() && self.findings.count() == before {
             let text = "the sensor has no effect: the model has nothing that it could measure; remove it, or add what it measures";
             self.note(&key.at("type"), text);
@@ -132,22 +135,22 @@ impl Check<'_, '_> {
         let first = first.and_then(|(first, r)| r.items.iter().find(|item| item.0 == *first));
         let unit = unit.or(first.map(|item| item.2));
         let unit = unit.or(kind.units().first().copied())?;
-        let noise_covariance = self.noise(file, kind, &format!("noise_{unit}"), key);
-        let (noise_covariance, slow) = self.slow(file, (kind, unit), key, noise_covariance);
+        let noise_covariance = self.noise(own, &format!("noise_{unit}"));
+        let (noise_covariance, slow) = self.slow(own, unit, noise_covariance);
         let quantisation = file.sample_errors.get(&format!("quantisation_{unit}"));
         let rotation = self.rotation(file.rotation_xyzw, file.rotation_matrix, key);
-        let reference_N = self.reference(file, key);
+        let reference_N = self.reference(own);
         let mut nuisance = |error: ErrorKey, value: &Option<NuisanceFile>, unit_key: &str| {
             let here = key.at(error.word());
             let found = self.nuisance(value, &here, unit_key);
             if found != Nuisance::Known && !kind.unknown_errors().contains(&error) {
-                self.refuse_error(kind, error, &here);
+                self.refuse_error(*kind, error, &here);
             }
             found
         };
         let skew = &file.nonorthogonality;
         let sensor = Sensor {
-            kind,
+            kind: *kind,
             body: 0,
             seen_from: 0,
             noise_covariance,
@@ -186,7 +189,7 @@ impl Check<'_, '_> {
     }
 
     /// The unit declared by the keys of this sensor.
-    fn unit(&mut self, file: &SensorFile, key: &Key) -> Option<&'static str> {
+    fn unit(&mut self, own: &Declared) -> Option<&'static str> {
         let mut declared: Option<&'static str> = None;
         for unit in ["rad", "rad_s", "m", "m_s", "m_s2", "N"] {
             let keys = ["noise", "slow", "quantisation"].map(|what| format!("{what}_{unit}"));
@@ -194,13 +197,13 @@ impl Check<'_, '_> {
             for name in keys
                 .iter()
                 .chain([&walk])
-                .filter(|name| file.sample_errors.contains_key(*name))
+                .filter(|name| own.file.sample_errors.contains_key(*name))
             {
                 if *declared.get_or_insert(unit) != unit {
                     let problem = "one sensor is declared in two units";
                     let remedy = "write one [[sensor]] for revolute and one for prismatic joints";
                     self.findings
-                        .refuse("E0118", &key.at(name), problem, remedy);
+                        .refuse("E0118", &own.key.at(name), problem, remedy);
                 }
             }
         }
@@ -208,11 +211,11 @@ impl Check<'_, '_> {
     }
 
     /// The vector whose direction is measured, normalised.
-    fn reference(&mut self, file: &SensorFile, key: &Key) -> Option<Vector3> {
-        let unit = Vector3::from(file.reference_N?).try_normalize(0.0);
+    fn reference(&mut self, own: &Declared) -> Option<Vector3> {
+        let unit = Vector3::from(own.file.reference_N?).try_normalize(0.0);
         let unit = unit.filter(|v| v.iter().all(|x| x.is_finite()));
         if unit.is_none() {
-            let (here, problem) = (key.at("reference_N"), "the vector has no direction");
+            let (here, problem) = (own.key.at("reference_N"), "the vector has no direction");
             let remedy = "write a finite vector that is not zero";
             self.findings.refuse("E0118", &here, problem, remedy);
         }
@@ -222,13 +225,12 @@ impl Check<'_, '_> {
     /// Indices of what the sensor measures.
     fn measured(
         &mut self,
-        file: &SensorFile,
+        own: &Declared,
         unit: Option<&str>,
-        key: &Key,
         readable: &Readable<'_>,
     ) -> Vec<usize> {
-        let (here, items) = (key.at("of"), readable.items.iter());
-        let Some(names) = &file.of else {
+        let (here, items) = (own.key.at("of"), readable.items.iter());
+        let Some(names) = &own.file.of else {
             let fits = items.filter(|item| unit.is_none_or(|unit| unit == item.2));
             return fits.map(|item| item.0).collect();
         };
@@ -260,25 +262,22 @@ impl Check<'_, '_> {
     /// The white noise and what lasts over samples; with a correlation time alone, all noise does.
     fn slow(
         &mut self,
-        file: &SensorFile,
-        (kind, unit): (SensorKind, &str),
-        key: &Key,
+        own: &Declared,
+        unit: &str,
         white: Option<Matrix3>,
     ) -> (Option<Matrix3>, Vec<SlowError>) {
         let [slow, walk] = [format!("slow_{unit}"), format!("walk_{unit}_s05")];
-        let lasting = self.noise(file, kind, &slow, key);
-        let walk = self
-            .noise(file, kind, &walk, key)
-            .map(|covariance| SlowError {
-                covariance,
-                correlation_s: f64::INFINITY,
-            });
-        let (white, process) = match (lasting, file.correlation_s) {
+        let lasting = self.noise(own, &slow);
+        let walk = self.noise(own, &walk).map(|covariance| SlowError {
+            covariance,
+            correlation_s: f64::INFINITY,
+        });
+        let (white, process) = match (lasting, own.file.correlation_s) {
             (Some(_), None) => {
                 let problem = "how long the slow error lasts is missing";
                 let remedy = "write correlation_s, the time after which it has fallen to 1/e, s";
                 self.findings
-                    .refuse("E0118", &key.at(&slow), problem, remedy);
+                    .refuse("E0118", &own.key.at(&slow), problem, remedy);
                 (white, None)
             }
             (None, Some(time)) => (None, white.zip(Some(time))),
@@ -292,20 +291,16 @@ impl Check<'_, '_> {
     }
 
     /// Covariance of one sample from one sigma, three sigmas, or the symmetric square root of the covariance.
-    fn noise(
-        &mut self,
-        file: &SensorFile,
-        kind: SensorKind,
-        name: &str,
-        key: &Key,
-    ) -> Option<Matrix3> {
-        let (here, noise) = (key.at(name), file.sample_errors.get(name)?);
+    fn noise(&mut self, own: &Declared, name: &str) -> Option<Matrix3> {
+        let (here, noise) = (own.key.at(name), own.file.sample_errors.get(name)?);
         let problem = match NoiseFile::deserialize(noise.clone()).ok()? {
             NoiseFile::Scalar(sigma) => {
                 return Some(Matrix3::from_diagonal_element(sigma * sigma));
             }
-            _ if kind.is_scalar() => format!("a sensor of type \"{}\" has no axes", kind.word()),
-            _ if kind == SensorKind::Direction => {
+            _ if own.kind.is_scalar() => {
+                format!("a sensor of type \"{}\" has no axes", own.kind.word())
+            }
+            _ if own.kind == SensorKind::Direction => {
                 "the noise of a direction is an angle, alike in every sense across it".to_owned()
             }
             NoiseFile::Axes(sigmas) => {

@@ -81,14 +81,10 @@ fn channels(model: &ModelFile) -> HashSet<String> {
     for thruster in model.thruster.iter().flatten() {
         add(thruster.name.as_deref(), &["N"]);
     }
-    let sensors: Vec<&str> = model
-        .sensor
-        .iter()
-        .flatten()
-        .filter_map(|s| s.name.as_deref())
-        .collect();
+    let sensors = model.sensor.iter().flatten();
     // Sensor names are checked by prefix; the suffix distinguishes them from channels.
-    known.extend(sensors.iter().map(|name| format!("{name}.")));
+    let sensors = sensors.filter_map(|s| s.name.as_ref());
+    known.extend(sensors.map(|name| format!("{name}.")));
     known
 }
 
