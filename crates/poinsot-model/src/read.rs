@@ -6,7 +6,7 @@ use crate::document::{Document, KeyPath};
 use crate::file::{ModelFile, TelemetryMapFile};
 use crate::finding::{Findings, Key};
 use crate::model_text::read_model_text;
-use crate::schema::{model_schema_ref, telemetry_map_schema_ref};
+use crate::schema::{MAP_KEYS, MODEL_KEYS};
 use crate::shape::{Format, MODEL, MODEL_SCHEMA, check_shape};
 use crate::vehicle::Model;
 use poinsot_files::{Fault, Faults, MOST_FAULTS, Place};
@@ -36,7 +36,7 @@ pub fn parse_model(text: &str, file: &str) -> Result<Model, Faults> {
     if findings.count() > 0 {
         return Err(findings.into_error());
     }
-    let clean = check_shape(&MODEL, model_schema_ref(), &mut findings);
+    let clean = check_shape(&MODEL, &MODEL_KEYS, &mut findings);
     let model = match ModelFile::deserialize(clean.clone()) {
         Ok(raw) => check_model(&raw, &clean, &mut findings),
         Err(error) => {
@@ -97,7 +97,7 @@ pub fn parse_telemetry_map(text: &str, file: &str) -> Result<TelemetryMap, Fault
     if findings.count() > 0 {
         return Err(findings.into_error());
     }
-    let clean = check_shape(&MODEL, telemetry_map_schema_ref(), &mut findings);
+    let clean = check_shape(&MODEL, &MAP_KEYS, &mut findings);
     let map = match TelemetryMapFile::deserialize(toml::Value::Table(clean)) {
         Ok(raw) => check_telemetry(raw.telemetry, None, &mut findings),
         Err(error) => {

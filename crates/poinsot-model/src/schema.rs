@@ -3,7 +3,12 @@
 
 use crate::file::{ModelFile, TelemetryMapFile};
 use serde_json::Value;
-use std::sync::OnceLock;
+use std::sync::LazyLock;
+
+pub(crate) static MODEL_KEYS: LazyLock<Value> =
+    LazyLock::new(|| without_null(schemars::schema_for!(ModelFile).to_value()));
+pub(crate) static MAP_KEYS: LazyLock<Value> =
+    LazyLock::new(|| without_null(schemars::schema_for!(TelemetryMapFile).to_value()));
 
 /// The schema of `poinsot.model/1` (JSON Schema 2020-12). Descriptions carry the units.
 ///
@@ -12,12 +17,7 @@ use std::sync::OnceLock;
 /// assert!(schema["properties"]["body"].is_object());
 /// ```
 pub fn model_schema() -> Value {
-    model_schema_ref().clone()
-}
-
-pub(crate) fn model_schema_ref() -> &'static Value {
-    static SCHEMA: OnceLock<Value> = OnceLock::new();
-    SCHEMA.get_or_init(|| without_null(schemars::schema_for!(ModelFile).to_value()))
+    MODEL_KEYS.clone()
 }
 
 /// The schema of a file with only a `[telemetry]` table.
@@ -27,12 +27,7 @@ pub(crate) fn model_schema_ref() -> &'static Value {
 /// assert!(schema["properties"]["telemetry"].is_object());
 /// ```
 pub fn telemetry_map_schema() -> Value {
-    telemetry_map_schema_ref().clone()
-}
-
-pub(crate) fn telemetry_map_schema_ref() -> &'static Value {
-    static SCHEMA: OnceLock<Value> = OnceLock::new();
-    SCHEMA.get_or_init(|| without_null(schemars::schema_for!(TelemetryMapFile).to_value()))
+    MAP_KEYS.clone()
 }
 
 /// TOML has no null: an optional key may be missing.

@@ -59,16 +59,14 @@ pub fn patch_model(text: &str, measured: &Measured) -> Result<Patched, String> {
 /// The table that states a number of a part, is a mode, or is the spring of a joint. No two parts have the name.
 fn holder<'t>(document: &'t mut DocumentMut, number: &PartNumber) -> Option<&'t mut dyn TableLike> {
     let arrays = document.iter_mut().filter(|(key, _)| *key != "body");
-    let mut same = arrays.flat_map(|(key, item)| {
+    let all = arrays.flat_map(|(key, item)| {
         let is_mode = key == "mode";
         let tables = item.as_array_of_tables_mut().into_iter();
         tables
             .flat_map(ArrayOfTables::iter_mut)
             .map(move |table| (is_mode, table))
     });
-    let mut same = same
-        .by_ref()
-        .filter(|(_, t)| t.get("name").and_then(Item::as_str) == Some(&number.part));
+    let mut same = all.filter(|(_, t)| t.get("name").and_then(Item::as_str) == Some(&number.part));
     let (is_mode, table) = same.next().filter(|_| same.next().is_none())?;
     if is_mode || table.contains_key(&number.key) {
         return Some(table);
