@@ -81,7 +81,6 @@ pub(super) fn read(text: &str, remarks: &mut Vec<Remark>) -> Option<Robot> {
         return None;
     }
     find_xacro(&document, remarks);
-    let mut reader = Reader { remarks };
     let mut robot = Robot {
         // A title that a model file cannot hold is dropped.
         name: root
@@ -94,9 +93,15 @@ pub(super) fn read(text: &str, remarks: &mut Vec<Remark>) -> Option<Robot> {
     };
     let mut ignored: BTreeMap<&str, usize> = BTreeMap::new();
     for node in root.children().filter(Node::is_element) {
-        match node.tag_name().name() {
-            "link" => robot.links.push(reader.link(node)),
-            "joint" => robot.joints.extend(reader.joint(node)),
+        let what = node.tag_name().name();
+        let name = node.attribute("name").unwrap_or_default();
+        let mut reader = Reader {
+            subject: format!("{what} \"{}\"", excerpt(name, 60)),
+            remarks,
+        };
+        match what {
+            "link" => robot.links.push(reader.link(node, name)),
+            "joint" => robot.joints.extend(reader.joint(node, name)),
             other => *ignored.entry(other).or_default() += 1,
         }
     }
@@ -178,72 +183,57 @@ fn find_xacro(document: &Document<'_>, remarks: &mut Vec<Remark>) {
     }
 }
 
+/// Reads one link or joint.
 struct Reader<'r> {
+    /// What remarks call it.
+    subject: String,
     remarks: &'r mut Vec<Remark>,
 }
 
 impl Reader<'_> {
     /// The child element of a name; a second one is refused, since it would state the same again.
-    fn child<'a, 'i>(
-        &mut self,
-        node: Node<'a, 'i>,
-        name: &str,
-        subject: &str,
-    ) -> Option<Node<'a, 'i>> {
+    fn child<'a, 'i>(&mut self, node: Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
         let is_named = |n: &Node| n.is_element() && n.tag_name().name() == name;
         let mut all = node.children().filter(is_named);
         let first = all.next();
         if let Some(second) = all.next() {
             let parent = node.tag_name().name();
             let problem = format!("<{}> has two <{name}>", excerpt(parent, 40));
-            self.refuse(second, subject, "", problem, "keep one of them");
+            self.refuse(second, problem, "keep one of them");
         }
         first
     }
 
-    fn refuse(
-        &mut self,
-        node: Node<'_, '_>,
-        subject: &str,
-        value: &str,
-        problem: String,
-        remedy: &str,
-    ) {
-        let (byte, code) = (node.range().start, Some("E0107"));
-        let remark = Remark::new(code, byte, problem, remedy).on(subject);
-        self.remarks.push(match value {
-            "" => remark,
-            value => remark.with_value(value, 60),
-        });
+    fn refuse(&mut self, node: Node<'_, '_>, problem: String, remedy: &str) {
+        let remark = refused(node, problem, remedy).on(self.subject.as_str());
+        self.remarks.push(remark);
     }
 
-    fn link(&mut self, node: Node<'_, '_>) -> Link {
-        let name = node.attribute("name").unwrap_or_default().to_owned();
-        let subject = format!("link \"{}\"", excerpt(&name, 60));
-        let inertial = self.child(node, "inertial", &subject);
-        let inertial = inertial.and_then(|inertial| self.inertial(inertial, &subject));
+    fn link(&mut self, node: Node<'_, '_>, name: &str) -> Link {
+        let inertial = self.child(node, "inertial");
+        let inertial = inertial.and_then(|inertial| self.inertial(inertial));
         Link {
-            name,
+            name: name.to_owned(),
             byte: node.range().start,
             inertial,
         }
     }
 
-    fn inertial(&mut self, node: Node<'_, '_>, subject: &str) -> Option<Inertial> {
-        let mass = match self.child(node, "mass", subject) {
-            Some(mass) => self.numbers(mass, "value", subject, None),
+    fn inertial(&mut self, node: Node<'_, '_>) -> Option<Inertial> {
+        let mass = match self.child(node, "mass") {
+            Some(mass) => self.numbers(mass, "value", None),
             None => {
                 let problem = "<inertial> has no <mass value=\"...\">".to_owned();
-                self.refuse(node, subject, "", problem, "add it, kg");
+                self.refuse(node, problem, "add it, kg");
                 None
             }
         };
         let mut elements = [0.0; 6];
         let mut whole = true;
-        match self.child(node, "inertia", subject) {
+        match self.child(node, "inertia") {
             Some(inertia) => {
                 for (slot, name) in elements.iter_mut().zip(ELEMENTS) {
-                    match self.numbers(inertia, name, subject, None) {
+                    match self.numbers(inertia, name, None) {
                         Some([x]) => *slot = x,
                         None => whole = false,
                     }
@@ -252,11 +242,11 @@ impl Reader<'_> {
             None => {
                 let problem = "<inertial> has no <inertia ixx=...>".to_owned();
                 let remedy = "add it, kg m2 about the mass centre";
-                self.refuse(node, subject, "", problem, remedy);
+                self.refuse(node, problem, remedy);
                 whole = false;
             }
         }
-        let (xyz, rpy) = self.origin(node, subject)?;
+        let (xyz, rpy) = self.origin(node)?;
         let [mass] = mass?;
         whole.then_some(Inertial {
             byte: node.range().start,
@@ -267,12 +257,12 @@ impl Reader<'_> {
         })
     }
 
-    fn origin(&mut self, node: Node<'_, '_>, subject: &str) -> Option<([f64; 3], [f64; 3])> {
-        let Some(origin) = self.child(node, "origin", subject) else {
+    fn origin(&mut self, node: Node<'_, '_>) -> Option<([f64; 3], [f64; 3])> {
+        let Some(origin) = self.child(node, "origin") else {
             return Some(([0.0; 3], [0.0; 3]));
         };
-        let xyz = self.numbers(origin, "xyz", subject, Some([0.0; 3]));
-        let rpy = self.numbers(origin, "rpy", subject, Some([0.0; 3]));
+        let xyz = self.numbers(origin, "xyz", Some([0.0; 3]));
+        let rpy = self.numbers(origin, "rpy", Some([0.0; 3]));
         Some((xyz?, rpy?))
     }
 
@@ -281,14 +271,20 @@ impl Reader<'_> {
         &mut self,
         node: Node<'_, '_>,
         name: &str,
-        subject: &str,
         missing: Option<[f64; N]>,
     ) -> Option<[f64; N]> {
-        let key = format!("{subject} <{} {name}>", excerpt(node.tag_name().name(), 40));
+        let mut refuse = |problem: String, remedy: &str| {
+            let element = excerpt(node.tag_name().name(), 40);
+            let key = format!("{} <{element} {name}>", self.subject);
+            let remark = refused(node, problem, remedy).on(key);
+            self.remarks.push(match node.attribute(name) {
+                None | Some("") => remark,
+                Some(text) => remark.with_value(text, 60),
+            });
+        };
         let Some(text) = node.attribute(name) else {
             if missing.is_none() {
-                let problem = "the number is missing".to_owned();
-                self.refuse(node, &key, "", problem, "add it");
+                refuse("the number is missing".to_owned(), "add it");
             }
             return missing;
         };
@@ -304,26 +300,23 @@ impl Reader<'_> {
                 }
                 _ => {
                     let (problem, remedy) = cause(word);
-                    self.refuse(node, &key, text, problem, remedy);
+                    refuse(problem, remedy);
                     return None;
                 }
             }
         }
         if count != N {
-            let problem = format!("{count} numbers instead of {N}");
             let remedy = match N {
                 1 => "write one number",
                 _ => "write three numbers with blanks between them",
             };
-            self.refuse(node, &key, text, problem, remedy);
+            refuse(format!("{count} numbers instead of {N}"), remedy);
             return None;
         }
         Some(values)
     }
 
-    fn joint(&mut self, node: Node<'_, '_>) -> Option<Joint> {
-        let name = node.attribute("name").unwrap_or_default().to_owned();
-        let subject = format!("joint \"{}\"", excerpt(&name, 60));
+    fn joint(&mut self, node: Node<'_, '_>, name: &str) -> Option<Joint> {
         let byte = node.range().start;
         let word = node.attribute("type").unwrap_or_default();
         let kind = match word {
@@ -337,10 +330,10 @@ impl Reader<'_> {
             let remedy =
                 "write revolute, continuous, prismatic or fixed; a base that floats needs no joint";
             let remark = Remark::new(Some("E0122"), byte, problem, remedy);
-            let remark = remark.on(format!("{subject} type"));
+            let remark = remark.on(format!("{} type", self.subject));
             self.remarks.push(remark.with_value(word, 40));
         }
-        if let Some(mimic) = self.child(node, "mimic", &subject) {
+        if let Some(mimic) = self.child(node, "mimic") {
             let problem = format!(
                 "mimics \"{}\" (multiplier {}, offset {}): it is used as an independent joint, and telemetry needs its column",
                 excerpt(mimic.attribute("joint").unwrap_or_default(), 60),
@@ -349,23 +342,23 @@ impl Reader<'_> {
             );
             let byte = mimic.range().start;
             let remark = Remark::new(None, byte, problem, "");
-            self.remarks.push(remark.on(&subject));
+            self.remarks.push(remark.on(self.subject.as_str()));
         }
         let mut end = |which: &str| {
-            let end = self.child(node, which, &subject);
+            let end = self.child(node, which);
             if let Some(link) = end.and_then(|n| n.attribute("link")) {
                 return link.to_owned();
             }
             let problem = format!("the joint has no <{which} link=\"...\">");
-            self.refuse(node, &subject, "", problem, "add it");
+            self.refuse(node, problem, "add it");
             String::new()
         };
         let (parent, child_name) = (end("parent"), end("child"));
-        let (xyz, rpy) = self.origin(node, &subject).unwrap_or_default();
+        let (xyz, rpy) = self.origin(node).unwrap_or_default();
         let kind = kind.unwrap_or(JointKind::Fixed);
-        let axis = self.axis(node, &subject, kind).unwrap_or([1.0, 0.0, 0.0]);
+        let axis = self.axis(node, kind).unwrap_or([1.0, 0.0, 0.0]);
         Some(Joint {
-            name,
+            name: name.to_owned(),
             byte,
             kind,
             parent,
@@ -378,25 +371,26 @@ impl Reader<'_> {
     }
 
     /// Unit axis of a moving joint; default x, as URDF defines.
-    fn axis(&mut self, node: Node<'_, '_>, subject: &str, kind: JointKind) -> Option<[f64; 3]> {
+    fn axis(&mut self, node: Node<'_, '_>, kind: JointKind) -> Option<[f64; 3]> {
         if kind == JointKind::Fixed {
             return None;
         }
-        let Some(axis) = self.child(node, "axis", subject) else {
+        let Some(axis) = self.child(node, "axis") else {
             let problem = "no axis is given: x, the default of URDF";
             let byte = node.range().start;
             let remark = Remark::new(None, byte, problem, "");
-            self.remarks.push(remark.on(format!("{subject} <axis>")));
+            self.remarks
+                .push(remark.on(format!("{} <axis>", self.subject)));
             return None;
         };
         let text = axis.attribute("xyz").unwrap_or("1 0 0");
         let byte = axis.range().start;
-        let [x, y, z] = self.numbers(axis, "xyz", subject, Some([1.0, 0.0, 0.0]))?;
+        let [x, y, z] = self.numbers(axis, "xyz", Some([1.0, 0.0, 0.0]))?;
         let length = (x * x + y * y + z * z).sqrt();
         let mut note = |code, problem: String, remedy: &str| {
             let remark = Remark::new(code, byte, problem, remedy).with_value(text, 60);
             self.remarks
-                .push(remark.on(format!("{subject} <axis xyz>")));
+                .push(remark.on(format!("{} <axis xyz>", self.subject)));
         };
         if length <= 0.0 || !length.is_finite() {
             let problem = "the axis has no direction".to_owned();
@@ -410,6 +404,11 @@ impl Reader<'_> {
         }
         Some([x / length, y / length, z / length])
     }
+}
+
+/// The fault of an element.
+fn refused(node: Node<'_, '_>, problem: String, remedy: &str) -> Remark {
+    Remark::new(Some("E0107"), node.range().start, problem, remedy)
 }
 
 fn cause(word: &str) -> (String, &'static str) {
