@@ -16,7 +16,7 @@ use poinsot_files::{Pace, Place, Stage};
 use poinsot_formats::{TruthFile, sha256_of};
 use poinsot_model::{Joint, Model, Nuisance, SensorKind, read_model};
 use poinsot_spatial::InertialParameters;
-use poinsot_telemetry::{Channel, GROUP, Mounting, Table, mount, write_pieces};
+use poinsot_telemetry::{GROUP, Mounting, Table, mount, write_pieces};
 use record::Recorder;
 pub(crate) use record::joint_channels;
 use std::path::{Path, PathBuf};
@@ -82,17 +82,13 @@ pub fn simulate(case_path: &Path, out: &Path) -> Result<Written, Error> {
     let mut recorder = Recorder::new(&model, &scenario, &Tree::new(&model), case.seed, 0);
     // Files are in sensor axes, tables in body axes.
     let back: Vec<Mounting> = mountings(&model).iter().map(Mounting::inverse).collect();
-    let in_sensor_axes = |channels: Vec<Channel>| {
-        let mut table = Table {
-            channels,
-            ..Table::default()
-        };
+    let in_sensor_axes = |mut table: Table| {
         mount(&mut table, &back);
         table.channels
     };
     let mut stage = Stage::new(out)?;
     // Before the first row it has names alone.
-    let first = recorder.drain(&scenario);
+    let first = recorder.drain(&scenario).channels;
     let mut file = write_pieces(&mut stage, Path::new(name), &first, |writer| {
         let truth = recorded_trial(&case, &model, &scenario, &mut recorder, 0, |recorder| {
             if recorder.rows() < GROUP {
@@ -156,10 +152,7 @@ pub fn simulate_trial(case: &Case, model: &Model, trial: u64) -> Result<Simulati
     case.check_memory(model, scenario.times.count(), SIMULATED)?;
     let mut recorder = Recorder::new(model, &scenario, &Tree::new(model), case.seed, trial);
     let truth = recorded_trial(case, model, &scenario, &mut recorder, trial, |_| Ok(()))?;
-    let table = Table {
-        channels: recorder.drain(&scenario),
-        ..Table::default()
-    };
+    let table = recorder.drain(&scenario);
     Ok(Simulation { table, truth })
 }
 
@@ -312,10 +305,7 @@ fn recorded(
         recorder.take(sample);
         true
     })?;
-    Ok(Table {
-        channels: recorder.drain(scenario),
-        ..Table::default()
-    })
+    Ok(recorder.drain(scenario))
 }
 
 /// The model with ideal sensors.

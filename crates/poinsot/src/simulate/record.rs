@@ -9,7 +9,7 @@ use poinsot_dynamics::{
 };
 use poinsot_model::{Joint, Model, SensorKind};
 use poinsot_spatial::Vector3;
-use poinsot_telemetry::{Channel, classify};
+use poinsot_telemetry::{Channel, Table, classify};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
@@ -26,8 +26,8 @@ enum Reader {
 
 /// Channels sampled together.
 struct Group {
-    /// Index and name of the sensor.
-    sensor: Option<(usize, String)>,
+    /// Name of the sensor.
+    sensor: Option<String>,
     names: Vec<String>,
     every: usize,
     reader: Reader,
@@ -38,6 +38,7 @@ struct Group {
 
 /// Collects telemetry row by row, for pieces of any length.
 pub(super) struct Recorder {
+    /// The sensors in the order of the model, then the rest.
     groups: Vec<Group>,
     /// Exact channels to write; `None`: all.
     commanded: Option<HashSet<String>>,
@@ -66,7 +67,7 @@ impl Recorder {
             }
             let reader = Reader::Sensor(Box::new(instrument));
             let names = names(model, sensor.kind, &sensor.of);
-            let own = Some((i, sensor.name.clone()));
+            let own = Some(sensor.name.clone());
             let mut group = Group::new(own, names, every(scenario, i), reader);
             if sensor.kind == SensorKind::VelocityIncrement {
                 group.first = group.every;
@@ -132,15 +133,14 @@ impl Recorder {
 
     /// A sensor with its true errors.
     pub fn instrument(&self, sensor: usize) -> Option<&Instrument> {
-        let of = |g: &&Group| g.sensor.as_ref().is_some_and(|(i, _)| *i == sensor);
-        match self.groups.iter().find(of).map(|g| &g.reader) {
-            Some(Reader::Sensor(instrument)) => Some(instrument),
-            _ => None,
+        match &self.groups.get(sensor)?.reader {
+            Reader::Sensor(instrument) => Some(instrument),
+            Reader::Exact(_) => None,
         }
     }
 
     /// Takes the channels of the piece; if two sensors write one channel, both get their names.
-    pub fn drain(&mut self, scenario: &Scenario) -> Vec<Channel> {
+    pub fn drain(&mut self, scenario: &Scenario) -> Table {
         let mut readers: HashMap<String, usize> = HashMap::new();
         let by_sensor = self.groups.iter().filter(|g| g.sensor.is_some());
         for name in by_sensor.flat_map(|g| &g.names) {
@@ -173,14 +173,17 @@ impl Recorder {
                     channels.push(channel(name, String::new(), time_s, values));
                     continue;
                 }
-                let sensor = group.sensor.as_ref().filter(|_| count > 1);
-                let sensor = sensor.map_or(String::new(), |(_, sensor)| sensor.clone());
+                let sensor = group.sensor.clone().filter(|_| count > 1);
+                let sensor = sensor.unwrap_or_default();
                 channels.push(channel(name, sensor, base.clone(), values));
             }
         }
         self.before = self.times.last().copied().or(self.before);
         self.times.clear();
-        channels
+        Table {
+            channels,
+            ..Table::default()
+        }
     }
 }
 
@@ -220,12 +223,7 @@ fn with_switches(
 }
 
 impl Group {
-    fn new(
-        sensor: Option<(usize, String)>,
-        names: Vec<String>,
-        every: usize,
-        reader: Reader,
-    ) -> Self {
+    fn new(sensor: Option<String>, names: Vec<String>, every: usize, reader: Reader) -> Self {
         Self {
             sensor,
             values: vec![Vec::new(); names.len()],
