@@ -81,10 +81,9 @@ fn evidence(file: &EstimateFile, say: &mut impl FnMut(String, String, &str)) {
             let key = format!("evidence[{k}].effect");
             say(key, quoted(&row.effect), &problem);
         }
-        if row.p.is_some_and(|p| !(0.0..=1.0).contains(&p)) {
-            let value = row.p.map_or(String::new(), |p| p.to_string());
+        if let Some(p) = row.p.filter(|p| !(0.0..=1.0).contains(p)) {
             let key = format!("evidence[{k}].p");
-            say(key, value, "a p-value is from 0 to 1");
+            say(key, p.to_string(), "a p-value is from 0 to 1");
         }
     }
     if rows.is_empty() {
