@@ -31,43 +31,7 @@ impl<'py> FromPyObject<'_, 'py> for Options {
     type Error = PyErr;
 
     fn extract(object: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
-        let given = object.cast::<PyDict>()?;
-        Self::of(&given)
-    }
-}
-
-/// An entry that may be absent or `None`.
-fn entry<'py, T>(given: &Bound<'py, PyDict>, name: &str) -> PyResult<Option<T>>
-where
-    T: for<'a> FromPyObject<'a, 'py, Error = PyErr>,
-{
-    match given.get_item(name)? {
-        Some(value) if !value.is_none() => Ok(Some(value.extract()?)),
-        _ => Ok(None),
-    }
-}
-
-/// A choice by its name, by default the usual one.
-///
-/// # Errors
-/// There is no such choice.
-pub fn chosen<T: Default>(
-    option: &'static str,
-    name: Option<String>,
-    names: &[&str],
-    of: impl Fn(&str) -> Option<T>,
-) -> Result<T, Fault> {
-    let Some(name) = name else {
-        return Ok(T::default());
-    };
-    of(&name).ok_or_else(|| {
-        let advice = format!("use one of {}", names.join(", "));
-        Fault::argument(option, &name, "there is no such choice", advice)
-    })
-}
-
-impl Options {
-    fn of(given: &Bound<'_, PyDict>) -> PyResult<Self> {
+        let given = &*object.cast::<PyDict>()?;
         let usual = Question::default();
         let every = entry(given, "every")?.unwrap_or(1);
         let every = row_step(every).map_err(Fault::from)?;
@@ -103,6 +67,36 @@ impl Options {
             },
         })
     }
+}
+
+/// An entry that may be absent or `None`.
+fn entry<'py, T>(given: &Bound<'py, PyDict>, name: &str) -> PyResult<Option<T>>
+where
+    T: for<'a> FromPyObject<'a, 'py, Error = PyErr>,
+{
+    match given.get_item(name)? {
+        Some(value) if !value.is_none() => Ok(Some(value.extract()?)),
+        _ => Ok(None),
+    }
+}
+
+/// A choice by its name, by default the usual one.
+///
+/// # Errors
+/// There is no such choice.
+pub fn chosen<T: Default>(
+    option: &'static str,
+    name: Option<String>,
+    names: &[&str],
+    of: impl Fn(&str) -> Option<T>,
+) -> Result<T, Fault> {
+    let Some(name) = name else {
+        return Ok(T::default());
+    };
+    of(&name).ok_or_else(|| {
+        let advice = format!("use one of {}", names.join(", "));
+        Fault::argument(option, &name, "there is no such choice", advice)
+    })
 }
 
 /// The parts of every record.

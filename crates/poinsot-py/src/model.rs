@@ -46,9 +46,7 @@ impl CoreModel {
             ..model.into()
         }
     }
-}
 
-impl CoreModel {
     fn moving(&self) -> impl Iterator<Item = &Joint> {
         let joints = self.model.joints.iter();
         joints.filter(|j| j.kind != JointKind::Fixed)
