@@ -524,6 +524,7 @@ struct Force {
     declared: f64,
     direction_T: Vector3,
     F_B: Vector3,
+    /// From the point that was asked for.
     arm_B: Vector3,
 }
 

@@ -14,6 +14,7 @@ use poinsot_spatial::{MassProperties, Matrix3, Vector3, pseudo_inertia, tensor};
 
 /// Value and sigma of quantities; `None` for an undetermined one.
 pub(crate) struct QuantityEstimator<'a> {
+    /// What is estimated from.
     pub solution: &'a Solution,
     /// Factor on sigma where the residual is larger than declared.
     inflation: f64,

@@ -42,6 +42,7 @@ impl<P> Best<P> {
         Self { found, tried }
     }
 
+    /// Counts a place that was tried, and keeps the best.
     pub fn take(&mut self, score: Score, place: P) {
         self.tried += 1;
         let best = self.found.as_ref();

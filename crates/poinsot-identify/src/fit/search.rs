@@ -7,8 +7,8 @@
 //! (a homotopy in the length of the record; Voss, Timmer and Kurths 2004 extend by multiple shooting). Readings of a beginning
 //! count as little at first as their misfit asks, and more from fit to fit, and what a beginning does not tell is held about the
 //! nominal numbers: first steps from far away carry it off, as the scale of a tensor before the first pulse. Where this leads no
-//! further, the next beginning is fitted without help and to its end: one that the model does not explain although the fit
-//! converged contradicts the model; one at which the fit does not converge ends the search without an answer.
+//! further, the next beginning is fitted without help and to its end: one that the model does not explain although no step
+//! lowers its misfit much contradicts the model; one whose fit gets nowhere ends the search without an answer.
 //!
 //! Where the motion is unstable, the noise of measured inputs carries the prediction off with time, however good the numbers
 //! are. A record along which no fit converges, with the torque of its wheels as a process neither, is followed once more about inputs that all sensors smooth, beginning by beginning.
@@ -25,7 +25,7 @@ use crate::problem::ProblemError;
 use crate::problem::refusal::no_motion;
 use crate::problem::segment::Segment;
 use crate::problem::settings::Coordinates;
-use poinsot_solve::{End, LeastSquares, Linearised, Minimum, levenberg_marquardt};
+use poinsot_solve::{LeastSquares, Linearised, Minimum, levenberg_marquardt};
 
 /// Smallest reduction of the grid for a coarse fit.
 const WORTH: usize = 4;
@@ -35,7 +35,7 @@ const ARC_ITERATIONS: usize = 12;
 const HARDER: f64 = 100.0;
 /// Share of the record by which the first beginning is shortened until a start explains it.
 const SHORTER: f64 = 0.25;
-/// Fewest grid times of a beginning: what no motion over so few explains is no matter of the start.
+/// Fewest grid times of a shorter beginning: what no motion over so few explains is no matter of the start.
 const LEAST_TIMES: usize = 4;
 /// Factor by which a beginning is extended, and the smallest one that is tried: its root is taken where a fit fails.
 const LONGER: f64 = 2.0;
@@ -232,14 +232,14 @@ struct Followed {
 /// Follows the record from its longest beginning that a start explains; about inputs that each beginning smooths, if so.
 fn follow(experiment: &Experiment, starts: &[Iterate], smooths: bool) -> Followed {
     let mut share = SHORTER;
-    let mut failed = Vec::new();
+    let mut ends = starts.to_vec();
     loop {
         for at in starts {
             match fit_beginning(experiment, at, share) {
                 Some(found) if found.explains => {
                     return extend(experiment, (found.at, share), smooths);
                 }
-                found => failed.extend(found.map(|f| f.at)),
+                found => ends.extend(found.map(|f| f.at)),
             }
         }
         if !is_long_enough(experiment, share * SHORTER) {
@@ -247,7 +247,7 @@ fn follow(experiment: &Experiment, starts: &[Iterate], smooths: bool) -> Followe
         }
         share *= SHORTER;
     }
-    let end = match fit_to_end(experiment, &failed, share) {
+    let end = match fit_to_end(experiment, &ends, share) {
         Some(found) if found.explains => {
             return extend(experiment, (found.at, share), smooths);
         }
@@ -261,7 +261,7 @@ fn follow(experiment: &Experiment, starts: &[Iterate], smooths: bool) -> Followe
 /// Extends the beginning whose fit ended at a point to the whole record.
 fn extend(experiment: &Experiment, (mut at, mut share): (Iterate, f64), smooths: bool) -> Followed {
     let mut factor = LONGER;
-    let mut failed = Vec::new();
+    let mut ends = vec![at.clone()];
     let mut segments = experiment.problem.segments.to_vec();
     let end = loop {
         if smooths {
@@ -278,15 +278,16 @@ fn extend(experiment: &Experiment, (mut at, mut share): (Iterate, f64), smooths:
         let longer = (share * factor).min(1.0);
         let mut found = fit_beginning(&own, &at, longer);
         if let Some(beyond) = found.as_ref().filter(|f| !f.explains) {
-            failed.push(beyond.at.clone());
+            ends.push(beyond.at.clone());
         }
         let is_last = factor <= LEAST_LONGER;
         if is_last && !found.as_ref().is_some_and(|f| f.explains) {
-            found = fit_to_end(&own, &failed, longer);
+            found = fit_to_end(&own, &ends, longer);
         }
         match found {
             Some(found) if found.explains => {
                 (at, share) = (found.at, longer);
+                ends.push(at.clone());
                 factor = LONGER.min(factor * factor);
             }
             _ if !is_last => factor = factor.sqrt(),
@@ -317,10 +318,10 @@ fn fit_beginning(experiment: &Experiment, start: &Iterate, share: f64) -> Option
     fit_share(experiment, share, |part| tempered(part, start, share))
 }
 
-/// Fits a share of the record without help, from the best of the points at which fits of beginnings failed.
-fn fit_to_end(experiment: &Experiment, failed: &[Iterate], share: f64) -> Option<Beginning> {
+/// Fits a share of the record without help, from the best of the starts and of the points at which fits of beginnings ended.
+fn fit_to_end(experiment: &Experiment, ends: &[Iterate], share: f64) -> Option<Beginning> {
     fit_share(experiment, share, |part| {
-        let start = *by_cost(part, failed).first()?;
+        let start = *by_cost(part, ends).first()?;
         let here = part.linearise(start)?;
         let end = levenberg_marquardt(part, start.clone(), here, ITERATIONS);
         Some(end)
@@ -353,7 +354,7 @@ fn fit_share(
     few.filter(|f| f.explains).or_else(|| fit(&whole))
 }
 
-/// The end of a fit, or of a row of fits in which readings count as little at first as their misfit asks. Readings far more exact than the
+/// The end of a row of fits in which readings count as little at first as their misfit asks. Readings far more exact than the
 /// first prediction make a curved valley, along which no step leads far.
 fn tempered(
     part: &mut Experiment,
@@ -371,8 +372,7 @@ fn tempered(
     loop {
         let here = part.linearise(&at)?;
         let end = levenberg_marquardt(part, at, here, limit);
-        // What leads nowhere while readings count little leads nowhere with all of them.
-        if part.weight >= 1.0 || end.end == End::TooSlow {
+        if part.weight >= 1.0 {
             return Some(end);
         }
         part.weight = (part.weight * HARDER).min(1.0);

@@ -2,9 +2,9 @@
 
 use super::{MODEL, noise, segment};
 use crate::fit::experiment::as_predicted::take_predictions;
-use crate::fit::experiment::known_columns::{MovedVehicle, PredictionSlopes, Shift};
+use crate::fit::experiment::known_columns::{MovedVehicle, Shift};
 use crate::fit::experiment::{Experiment, Iterate};
-use crate::likelihood::{ChannelResidual, Evaluated};
+use crate::likelihood::{ChannelResidual, Evaluated, PredictionSlopes};
 use crate::problem::Problem;
 use crate::problem::parameters::{Equations, Parameters, Unknown, UnknownKind};
 use crate::problem::segment::Segment;

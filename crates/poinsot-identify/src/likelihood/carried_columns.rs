@@ -18,6 +18,7 @@ pub(crate) type PredictionSlopes = Vec<Vec<Vec<Vector3>>>;
 
 /// The columns of one segment in the course of an evaluation.
 pub(super) struct CarriedColumns<'a> {
+    /// Those of all segments; `None` without known numbers.
     known: Option<&'a KnownColumns>,
     /// Index of the segment, and the place of each of its sensors among the names there.
     segment: usize,

@@ -114,7 +114,7 @@ impl SegmentComparison<'_> {
         let mut new = difference(&self.cursors[i], due, slow);
         new.columns.push(new.residual);
         let sensor = self.cursors[i].white;
-        // A sensor taken as exact is left out.
+        // A reading without noise that can be whitened is left out.
         let _ = self.take(i, &new.errors, &sensor, &mut new.columns);
         for list in [new.columns, new.errors] {
             self.spare.give_back(list);

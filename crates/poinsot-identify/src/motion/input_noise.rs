@@ -197,7 +197,7 @@ fn errors_of(input: Input, variance: f64, channel: &InputChannel) -> Vec<NoisyIn
         memory,
         shares,
     };
-    match channel.errors.clone() {
+    match &channel.errors {
         InputErrors::Process(process) => {
             let slopes = match input {
                 Input::Joint(joint) => vec![Input::Rate(joint), Input::Acceleration(joint)],
@@ -206,7 +206,7 @@ fn errors_of(input: Input, variance: f64, channel: &InputChannel) -> Vec<NoisyIn
             };
             let slopes = slopes.into_iter().take(process.width() - 1);
             let slopes = slopes.map(|slope| error(slope, Memory::Follows, Vec::new()));
-            let value = error(input, Memory::Process(process), Vec::new());
+            let value = error(input, Memory::Process(process.clone()), Vec::new());
             std::iter::once(value).chain(slopes).collect()
         }
         InputErrors::Interpolated(places) if variance > 0.0 => Vec::from([0, 1].map(|slot| {
@@ -217,8 +217,8 @@ fn errors_of(input: Input, variance: f64, channel: &InputChannel) -> Vec<NoisyIn
             let shares = held.into_iter().map(|h| h.1).collect();
             error(input, Memory::Alone(InputErrors::Kept(memory)), shares)
         })),
-        errors if variance > 0.0 && errors != InputErrors::None => {
-            vec![error(input, Memory::Alone(errors), Vec::new())]
+        errors if variance > 0.0 && *errors != InputErrors::None => {
+            vec![error(input, Memory::Alone(errors.clone()), Vec::new())]
         }
         _ => Vec::new(),
     }

@@ -14,7 +14,7 @@ pub(crate) struct Grid {
 pub(crate) struct Fineness {
     /// Steps for each one of the grid.
     pub factor: u32,
-    /// Whether wheel speeds bend within an interval wherever the grid would have them straight, their axial momentum straight.
+    /// Whether wheel speeds bend within an interval wherever the grid would have them straight; their axial momentum is straight then.
     pub bends: bool,
 }
 

@@ -198,8 +198,10 @@ impl Problem<'_> {
         }
     }
 
+    /// The unknowns of these equations.
+    ///
     /// # Errors
-    /// The problem is not valid for these equations.
+    /// The problem is not valid for them.
     pub(crate) fn parameters(&self, equations: Equations) -> Result<Parameters, ProblemError> {
         Parameters::new(self.model, self.tree, equations, self.fires())
     }

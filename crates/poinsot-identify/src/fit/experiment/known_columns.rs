@@ -3,8 +3,7 @@
 //! One evaluation with sensitivities gives the columns of all of them.
 
 use super::{Experiment, Iterate};
-pub(crate) use crate::likelihood::PredictionSlopes;
-use crate::likelihood::{Evaluated, InitialStateColumns, KeptRow, KnownColumns};
+use crate::likelihood::{Evaluated, InitialStateColumns, KeptRow, KnownColumns, PredictionSlopes};
 use crate::problem::Problem;
 use crate::problem::loss::Loss;
 use crate::problem::parameters::{Parameters, Unknown, UnknownKind};
