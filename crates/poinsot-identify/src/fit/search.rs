@@ -137,14 +137,16 @@ fn search_once(experiment: &Experiment, starts: &[Iterate]) -> Option<Fitted> {
     }
     let path = follow(experiment, starts, false);
     let onward = match (path.end, path.at) {
-        (Search::Lost(_), at) => {
+        (Search::Lost(share), at) => {
             let found = direct.or_else(|| fit_from(experiment, at?, 0))?;
             if found.explains {
                 return Some(found);
             }
+            // What no motion over a few samples explains is no matter of the start.
+            let is_told = share == 0.0 && found.settled;
             return Some(Fitted {
-                search: path.end,
-                converged: false,
+                search: [path.end, Search::Contradicted][usize::from(is_told)],
+                converged: found.converged && is_told,
                 ..found
             });
         }

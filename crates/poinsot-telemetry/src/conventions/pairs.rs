@@ -1,8 +1,8 @@
-//! Two measurements of one motion over the same intervals: how far it goes by one, and its mean rate by the other.
+//! Two measurements of one motion over the same intervals: how far it goes by one, and by the rates of the other.
 
 use crate::median::{median, median_step};
-use crate::{Axes, Channel, GAP, Order, Sense, integral, resample_hermite, rotation};
-use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
+use crate::{Axes, Channel, GAP, Order, Sense, classify, integral, resample_hermite, rotation};
+use nalgebra::{Matrix3, SMatrix, SVector, UnitQuaternion, Vector3};
 use std::f64::consts::SQRT_2;
 
 /// Turn of an attitude per compared interval, rad, and share of the range of other channels: well above noise, small enough for
@@ -20,9 +20,9 @@ pub(crate) struct Interval {
     from: [f64; 4],
     to: [f64; 4],
     rate: [f64; 3],
-    /// The turn that the rates make from sample to sample, where they are those of a body: another than by their mean where its axis
-    /// moves, or by more than half a turn.
-    turn: Option<Rotation3<f64>>,
+    /// The turn that the rates make from sample to sample, where they are those of a body, and that of the opposite rates: others
+    /// than by their mean where its axis moves, or by more than half a turn.
+    turn: Option<[UnitQuaternion<f64>; 2]>,
 }
 
 /// Sums over the intervals, from which the residual of every unit and axis permutation follows.
@@ -31,9 +31,11 @@ pub(crate) struct Sums {
     pub aa: f64,
     pub gg: f64,
     pub cross: [[f64; 3]; 3],
-    turns: Turns,
-    /// Of the rates of the gyro less those of the attitude, as both are read.
+    /// With the turn that the rates make, and with that of the opposite ones.
+    turns: [Turns; 2],
+    /// Of the turns by an attitude less those by the rates as read, per second, and of their squares.
     apart: Vector3<f64>,
+    apart_squared: f64,
 }
 
 /// Sums over the matrices of both turns less the unit matrix, per second and in rad where they are small.
@@ -44,21 +46,22 @@ struct Turns {
 }
 
 impl Turns {
-    fn add(&mut self, both: [&Rotation3<f64>; 2], dt: f64) {
-        let [a, g] = both.map(|turn| (turn.matrix() - Matrix3::identity()) / (SQRT_2 * dt));
+    fn add(&mut self, both: [&UnitQuaternion<f64>; 2], dt: f64) {
+        let less = |turn: &UnitQuaternion<f64>| {
+            turn.to_rotation_matrix().into_inner() - Matrix3::identity()
+        };
+        let [a, g] = both.map(|turn| less(turn) / (SQRT_2 * dt));
         self.aa_gg += a.norm_squared() + g.norm_squared();
         let [a, g] = [a, g].map(|m| SVector::<f64, 9>::from_column_slice(m.as_slice()));
         self.cross += a * g.transpose();
     }
 
-    /// Sum of the squares of what is left with the rates in these axes; the turn of mirrored rates is taken for the turn back.
+    /// Sum of the squares of what is left with the turns in these axes.
     fn left(&self, axes: Axes) -> f64 {
-        let mirrored = axes.determinant() < 0;
         let element = |k: usize| {
             let (i, j) = (k % 3, k / 3);
             let (a, b) = (axes.axis[i], axes.axis[j]);
-            let own = if mirrored { 3 * a + b } else { 3 * b + a };
-            f64::from(axes.sign[i] * axes.sign[j]) * self.cross[(k, own)]
+            f64::from(axes.sign[i] * axes.sign[j]) * self.cross[(k, 3 * b + a)]
         };
         self.aa_gg - 2.0 * (0..9).map(element).sum::<f64>()
     }
@@ -78,8 +81,10 @@ impl Sums {
     }
 
     pub(crate) fn residual(&self, factor: f64, axes: Axes) -> f64 {
-        let square = match factor == 1.0 && self.turns.aa_gg > 0.0 {
-            true => self.turns.left(axes),
+        // Rates in mirrored axes make the turn of the opposite rates, in these axes.
+        let turns = &self.turns[usize::from(axes.determinant() < 0)];
+        let square = match factor == 1.0 && turns.aa_gg > 0.0 {
+            true => turns.left(axes),
             false => self.aa - 2.0 * factor * self.along(axes) + factor * factor * self.gg,
         };
         (square.max(0.0) / self.n).sqrt()
@@ -88,7 +93,7 @@ impl Sums {
     /// Mean of the difference of both as they are read, and the residual without it.
     pub(super) fn offset(&self) -> (f64, f64) {
         let square = (self.apart / self.n).norm_squared();
-        let left = self.residual(1.0, Axes::IDENTITY).powi(2) - square;
+        let left = self.apart_squared / self.n - square;
         (square.sqrt(), left.max(0.0).sqrt())
     }
 }
@@ -106,7 +111,7 @@ impl Pairs {
         let is_attitude = of.len() == 4;
         let at = |k: usize| padded(of.iter().filter_map(|c| c.values.get(k).copied()));
         let values: Vec<[f64; 4]> = (0..first.values.len()).map(at).collect();
-        let of_body = rate.name.starts_with("omega");
+        let of_body = matches!(classify(&rate.name)?.vector(), Some(("omega", _)));
         let mut times_s = first.time_s.to_vec();
         if of_body {
             times_s.extend(rate.time_s.iter());
@@ -135,7 +140,7 @@ impl Pairs {
                 from: *from,
                 to: *to,
                 rate: (change(a0, a1) / dt).into(),
-                turn: of_body.then(|| turn(between)),
+                turn: of_body.then(|| [1.0, -1.0].map(|sign| turn(between, sign))),
             });
         }
         (turns.len() >= 8).then_some(Self { turns, is_attitude })
@@ -146,9 +151,14 @@ impl Pairs {
     pub(super) fn turned(&self, axes: Axes, (rates, factor): (Axes, f64)) -> f64 {
         let seen = |[x, y, z, _]: [f64; 4]| axes.turned(&Vector3::new(x, y, z).normalize());
         let square = |i: &Interval| {
-            let own = i.turn.filter(|_| factor == 1.0).map(|t| t.scaled_axis());
-            let own = own.unwrap_or_else(|| Vector3::from(i.rate) * factor * i.dt);
-            let turn = rates.turned(&own);
+            let mean = Vector3::from(i.rate) * factor * i.dt;
+            let own = i.turn.filter(|_| factor == 1.0);
+            let turn = match own {
+                Some([_, opposite]) if rates.determinant() < 0 => -opposite.scaled_axis(),
+                Some([turn, _]) => turn.scaled_axis(),
+                None => mean,
+            };
+            let turn = rates.turned(&turn);
             let turn = rotation::of_vector(turn.into());
             ((turn * seen(i.to) - seen(i.from)) / i.dt).norm_squared()
         };
@@ -182,8 +192,9 @@ impl Pairs {
             aa: 0.0,
             gg: 0.0,
             cross: [[0.0; 3]; 3],
-            turns: Turns::default(),
+            turns: Default::default(),
             apart: Vector3::zeros(),
+            apart_squared: 0.0,
         };
         for t in &self.turns {
             let change = match self.is_attitude {
@@ -198,10 +209,13 @@ impl Pairs {
                     *c += a * g;
                 }
             }
-            if let Some(turn) = t.turn.filter(|_| self.is_attitude) {
-                let own = rotation::of_vector(change);
-                sums.turns.add([&own, &turn], t.dt);
-                sums.apart += (own.inverse() * turn).scaled_axis() / t.dt;
+            if let Some([turn, opposite]) = t.turn.filter(|_| self.is_attitude) {
+                let own = UnitQuaternion::from_scaled_axis(Vector3::from(change));
+                sums.turns[0].add([&own, &turn], t.dt);
+                sums.turns[1].add([&own, &opposite], t.dt);
+                let apart = (own.inverse() * turn).scaled_axis() / t.dt;
+                sums.apart += apart;
+                sums.apart_squared += apart.norm_squared();
             }
         }
         sums
@@ -213,12 +227,12 @@ fn change(from: &[f64; 3], to: &[f64; 3]) -> Vector3<f64> {
     Vector3::from(*to) - Vector3::from(*from)
 }
 
-/// The turn from the first of these integrals of rates to the last.
-fn turn(integrals: &[Option<(usize, [f64; 3])>]) -> Rotation3<f64> {
+/// The turn from the first of these integrals of rates, times a sign, to the last.
+fn turn(integrals: &[Option<(usize, [f64; 3])>], sign: f64) -> UnitQuaternion<f64> {
     let known = || integrals.iter().flatten();
     let steps = known().zip(known().skip(1));
-    steps.fold(Rotation3::identity(), |all, ((_, a), (_, b))| {
-        all * Rotation3::new(change(a, b))
+    steps.fold(UnitQuaternion::identity(), |all, ((_, a), (_, b))| {
+        all * UnitQuaternion::from_scaled_axis(change(a, b) * sign)
     })
 }
 
@@ -258,9 +272,11 @@ fn integrals(rates: &[&Channel], times_s: &[f64]) -> Vec<Option<(usize, [f64; 3]
     let steps = own.windows(2).filter(|w| w[1] - w[0] > longest);
     let gaps: Vec<f64> = steps.map(|w| w[0]).collect();
     let at = |(i, t): (usize, &f64)| {
-        let here: Option<Vec<f64>> = all.iter().map(|r| r.get(i).copied().flatten()).collect();
-        let run = gaps.partition_point(|gap| gap < t);
-        Some((run, padded(here?.into_iter())))
+        let mut here = [0.0; 3];
+        for (x, own) in here.iter_mut().zip(&all) {
+            *x = own.get(i).copied().flatten()?;
+        }
+        Some((gaps.partition_point(|gap| gap < t), here))
     };
     times_s.iter().enumerate().map(at).collect()
 }

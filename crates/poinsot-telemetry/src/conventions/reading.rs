@@ -129,7 +129,7 @@ pub(super) fn axes(names: &[String], words: &str) -> Vec<(Axes, Cell)> {
 pub struct Hypothesis {
     /// How it departs from what is declared; empty for the declared reading.
     pub words: String,
-    /// Root mean square of the difference of both rates.
+    /// Root mean square of the difference of both rates, of turns what is left of them per second.
     pub residual: f64,
     #[serde(skip)]
     rows: Vec<Arc<Row>>,
