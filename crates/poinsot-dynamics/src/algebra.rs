@@ -188,6 +188,12 @@ pub(crate) fn stack<T: Real>(a: &V3<T>, b: &V3<T>) -> [T; 6] {
     [a.x, a.y, a.z, b.x, b.y, b.z]
 }
 
+/// The two vectors of a twist or momentum.
+#[inline(always)]
+pub(crate) fn parts<T: Real>(x: &[T; 6]) -> (V3<T>, V3<T>) {
+    (V3::new(x[0], x[1], x[2]), V3::new(x[3], x[4], x[5]))
+}
+
 /// A matrix by its columns.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct M3<T>(pub [V3<T>; 3]);

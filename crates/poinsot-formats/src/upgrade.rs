@@ -74,6 +74,7 @@ fn momentum_1(momentum: &mut Value) {
     }
 }
 
+/// Names of the components of a vector and of a tensor in version 1.
 const AXES: [&str; 3] = ["x", "y", "z"];
 const TENSOR: [&str; 6] = ["xx", "yy", "zz", "xy", "xz", "yz"];
 

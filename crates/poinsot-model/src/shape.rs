@@ -308,10 +308,10 @@ impl Shape<'_, '_> {
             DeValue::Table(_) => ("object", "a table"),
         };
         let Some(inner) = accepts(&alternatives, kind) else {
-            return self.wrong_type(&alternatives, (value.get_ref(), words), key);
+            return self.wrong_type(&alternatives, value.get_ref(), words, key);
         };
         match value.get_ref() {
-            DeValue::String(text) => self.string((inner, &alternatives), text, key),
+            DeValue::String(text) => self.string(inner, &alternatives, text, key),
             DeValue::Integer(integer) => {
                 let number = i64::from_str_radix(integer.as_str(), integer.radix())
                     .map(|n| n as f64)
@@ -436,7 +436,8 @@ impl Shape<'_, '_> {
 
     fn string(
         &mut self,
-        (schema, alternatives): (&'static Schema, &[&'static Schema]),
+        schema: &'static Schema,
+        alternatives: &[&'static Schema],
         text: &str,
         key: &Key,
     ) -> Option<Value> {
@@ -496,7 +497,8 @@ impl Shape<'_, '_> {
     fn wrong_type(
         &mut self,
         alternatives: &[&'static Schema],
-        (value, found): (&DeValue<'_>, &str),
+        value: &DeValue<'_>,
+        found: &str,
         key: &Key,
     ) -> Option<Value> {
         let sections = alternatives.iter().any(|a| {

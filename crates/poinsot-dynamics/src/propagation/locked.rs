@@ -1,8 +1,7 @@
 //! The vehicle as one body at its joints' positions, and the motion of its base that pose and momentum give.
 
-use super::rows::parts;
 use super::state::PoseMomentum;
-use crate::algebra::{M3, Real, V3, stack};
+use crate::algebra::{M3, Real, V3, parts, stack};
 use crate::inertial::Inertial;
 use crate::momentum::{Composite, Twist};
 use crate::quaternion;

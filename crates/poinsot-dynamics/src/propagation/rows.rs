@@ -3,7 +3,7 @@
 use super::locked::BaseMotion;
 use super::state::PoseMomentum;
 use super::{Column, HALF, STATE};
-use crate::algebra::{M3, Real, V3, stack};
+use crate::algebra::{M3, Real, V3, parts, stack};
 use crate::quaternion;
 use core::ops::Mul;
 use nalgebra::{Matrix3, SMatrix, Vector3, Vector6};
@@ -207,10 +207,4 @@ impl<T: Real> StateRows<T> {
         }
         rows
     }
-}
-
-/// The two vectors of a twist or momentum.
-#[inline(always)]
-pub(super) fn parts<T: Real>(x: &[T; HALF]) -> (V3<T>, V3<T>) {
-    (V3::new(x[0], x[1], x[2]), V3::new(x[3], x[4], x[5]))
 }

@@ -291,7 +291,7 @@ impl<'a> Evaluator<'a> {
             turn: None,
         };
         for row in calibration.iter().chain(&design) {
-            rows.push((&row.gradient, row.residual), &shared);
+            rows.push(&row.gradient, row.residual, &shared);
         }
         Ok(rows.evaluation(sensors, -0.5 * deviance, readings))
     }
@@ -325,11 +325,11 @@ impl Rows {
     /// Rows of a reading: slopes of the prediction over the start of its segment and the shared unknowns, then the residual.
     fn push_all(&mut self, rows: &[Vec<f64>], place: &SegmentColumns) {
         for (residual, slopes) in rows.iter().filter_map(|row| row.split_last()) {
-            self.push((slopes, *residual), place);
+            self.push(slopes, *residual, place);
         }
     }
 
-    fn push(&mut self, (slopes, residual): (&[f64], f64), place: &SegmentColumns) {
+    fn push(&mut self, slopes: &[f64], residual: f64, place: &SegmentColumns) {
         let at = self.slopes.len();
         self.slopes.resize(at + self.width, 0.0);
         let (own, shared) = slopes.split_at(place.count);

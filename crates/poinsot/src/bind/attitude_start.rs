@@ -1,7 +1,7 @@
 //! Attitudes and rates of the base from which a fit starts, where no sensor measures them: attitudes from gyro and directions or
 //! from directions alone, across gaps of the attitude sensor by the gyro, and rates from attitudes.
 
-use super::sensors::{HALF_WIDTH, sensor_columns};
+use super::sensors::{HALF_WIDTH, rotation, sensor_columns};
 use nalgebra::{Matrix4, Quaternion};
 use poinsot_model::{Model, SensorKind};
 use poinsot_spatial::{Matrix3, Matrix6, UnitQuaternion, Vector3, Vector6, skew};
@@ -109,10 +109,6 @@ pub(super) fn differentiated(attitude: [&Channel; 4]) -> [Channel; 3] {
         values: rates.iter().map(|w| w[k]).collect(),
         ..Channel::default()
     })
-}
-
-pub(super) fn rotation([x, y, z, w]: [f64; 4]) -> UnitQuaternion {
-    UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z))
 }
 
 /// Attitudes where none was measured, carried by the rates: from the last one before and from the next one after, and between

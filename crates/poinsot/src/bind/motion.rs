@@ -1,12 +1,12 @@
 //! All channels at the gyro's times: attitude, translation, joints, wheels.
 
-use super::attitude_start::{attitudes, base_directions, carried, integrate_rate, rotation};
+use super::attitude_start::{attitudes, base_directions, carried, integrate_rate};
 use super::channels::{BaseRates, Channels, JointColumns, VectorChannels, WheelSpeed};
 use super::driven_wheels::speed_at;
 use super::free_fall::ORBITAL;
 use super::input_errors::joint_inputs;
 use super::noise::scalar;
-use super::sensors::{Column, HALF_WIDTH, own_values, rounding, scalar_sensor, vectors};
+use super::sensors::{Column, HALF_WIDTH, own_values, rotation, rounding, scalar_sensor, vectors};
 use crate::channel_names::{XYZ, axes};
 use crate::error::Error;
 use poinsot_dynamics::Kinematics;

@@ -1,10 +1,10 @@
 //! Three-axis sensors: their columns and samples on the grid. Any number of each kind, on any body.
 
-use super::attitude_start::rotation;
 use crate::channel_names::axes;
+use nalgebra::Quaternion;
 use poinsot_identify::{SensorRecord, SensorSample, SensorValue};
 use poinsot_model::{Model, Sensor, SensorKind, SlowError};
-use poinsot_spatial::{Matrix3, Vector3};
+use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 use poinsot_telemetry::{Channel, Table, median_step, resample};
 
 /// Half-width of the polynomial that differentiates a channel, in samples: a quartic through five.
@@ -24,6 +24,11 @@ pub(super) const REFERENCE: &str = "reference";
 
 /// Values of a channel at some times; `None` without a sample.
 pub(super) type Column = Vec<Option<f64>>;
+/// The attitude of a quaternion of any length, scalar last.
+pub(super) fn rotation([x, y, z, w]: [f64; 4]) -> UnitQuaternion {
+    UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z))
+}
+
 /// Three columns as vectors.
 pub(super) fn vectors([x, y, z]: &[Column; 3]) -> Vec<Option<Vector3>> {
     let all = x.iter().zip(y).zip(z);

@@ -2,7 +2,6 @@
 
 use super::address::{Document, Documents, Edit, Refusal, edit};
 use super::faults::PlanText;
-use super::plan::name_or_stem;
 use crate::case::{Case, parse_case, read_case};
 use crate::error::Error;
 use crate::identify::read_options;
@@ -180,6 +179,15 @@ impl Experiment {
         study.step_spread = self.file.step_spread.unwrap_or(0.0);
         study.seed = self.seed.unwrap_or(study.seed);
         Ok(study)
+    }
+}
+
+/// The name that is given, or that of the file.
+pub(super) fn name_or_stem(name: &str, path: &Path) -> String {
+    let stem = path.file_stem().unwrap_or_default();
+    match name {
+        "" => stem.to_string_lossy().into_owned(),
+        name => name.to_owned(),
     }
 }
 

@@ -4,7 +4,7 @@
 //! block by block: the first blocks of all cells come before the second ones.
 
 use super::address::{Refusal, count};
-use super::experiment::{Apply, Experiment, FilesAt};
+use super::experiment::{Apply, Experiment, FilesAt, name_or_stem};
 use super::faults::PlanText;
 use super::methods::MethodChoice;
 use crate::case::{FITTED, FITTED_S};
@@ -182,15 +182,6 @@ fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
         plan.seconds = plan.seconds.min(seconds);
     }
     Ok(plan)
-}
-
-/// The name that is given, or that of the file.
-pub(super) fn name_or_stem(name: &str, path: &Path) -> String {
-    let stem = path.file_stem().unwrap_or_default();
-    match name {
-        "" => stem.to_string_lossy().into_owned(),
-        name => name.to_owned(),
-    }
 }
 
 fn check_counts(file: &PlanFile, text: &mut PlanText) {

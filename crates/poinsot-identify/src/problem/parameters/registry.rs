@@ -353,7 +353,7 @@ impl Registry<'_> {
         };
         let nominal = *number.of(&mut own.spring.clone());
         let name_and_unit = (number.name(), number.unit(slides));
-        let entry = internal(kind, &joint.name, name_and_unit, (nominal, natural));
+        let entry = internal(kind, &joint.name, name_and_unit, nominal, natural);
         Some(entry.asked(joint.spring_unknown.contains(&number)))
     }
 
@@ -378,7 +378,7 @@ impl Registry<'_> {
         };
         let nominal = own.mode.get(number);
         let name_and_unit = (number.name(), number.unit());
-        let entry = internal(kind, &own.name, name_and_unit, (nominal, natural));
+        let entry = internal(kind, &own.name, name_and_unit, nominal, natural);
         Some(entry.asked(asked))
     }
 
@@ -671,7 +671,8 @@ fn internal(
     kind: &UnknownKind,
     owner: &str,
     (what, unit): (impl std::fmt::Display, &'static str),
-    (nominal, natural): (f64, f64),
+    nominal: f64,
+    natural: f64,
 ) -> Entry {
     let number = (format!("{owner}.{what}"), unit);
     let hypothesis = format!("another {what} of {owner}");
