@@ -1,6 +1,5 @@
 //! The checked vehicle: in SI, names resolved to indices.
 
-use crate::file::asked;
 use crate::knowledge::{Knowledge, across};
 pub use poinsot_dynamics::propagation::{Mode, SpringNumber};
 pub use poinsot_dynamics::{
@@ -452,4 +451,9 @@ impl Model {
     pub fn sensors_of(&self, kind: SensorKind) -> impl Iterator<Item = &Sensor> {
         self.sensors.iter().filter(move |s| s.kind == kind)
     }
+}
+
+/// Those that are asked for.
+pub(crate) fn asked<P, const N: usize>(all: [(P, bool); N]) -> Vec<P> {
+    all.into_iter().filter(|n| n.1).map(|n| n.0).collect()
 }

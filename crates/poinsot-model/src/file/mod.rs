@@ -32,7 +32,6 @@ pub(crate) use sensor::{NamesFile, NoiseFile, SensorFile, SensorType};
 pub use thruster::ThrusterFile;
 pub use wheel::WheelFile;
 pub use which::Which;
-pub(crate) use which::asked;
 
 use crate::knowledge::Origin;
 use poinsot_telemetry::TelemetryMap;

@@ -1,3 +1,4 @@
+use crate::vehicle::asked;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -31,9 +32,4 @@ impl<P: PartialEq> Which<P> {
             _ => Some(Self::Some(asked)),
         }
     }
-}
-
-/// Those that are asked for.
-pub(crate) fn asked<P, const N: usize>(all: [(P, bool); N]) -> Vec<P> {
-    all.into_iter().filter(|n| n.1).map(|n| n.0).collect()
 }
