@@ -1,8 +1,8 @@
 //! MJCF, the model file of MuJoCo.
 
-use super::xml::{Format, Wanted, document, numbers, only, words};
+use super::xml::{Format, Wanted, document, words};
 use super::{Measured, Patched, Spring};
-use poinsot_spatial::{MassProperties, elements, tensor};
+use poinsot_spatial::{MassProperties, elements};
 use roxmltree::{Document, Node};
 
 /// Attributes that rotate the axes of an `<inertial>` or give a diagonal tensor: excluded by a full tensor.
@@ -41,7 +41,6 @@ pub fn patch_mjcf(text: &str, measured: &Measured) -> Result<Patched, String> {
         tag: "body",
         depth: usize::MAX,
         wanted,
-        read,
         spring: Some(spring),
     };
     format.patched(text, measured)
@@ -65,14 +64,14 @@ fn refuse_overrides(document: &Document<'_>) -> Result<(), String> {
     Ok(())
 }
 
-fn wanted(_: Node<'_, '_>, new: &MassProperties) -> Wanted {
+fn wanted(_: Node<'_, '_>, new: &MassProperties) -> Option<Wanted> {
     let [xx, xy, yy, xz, yz, zz] = elements(&new.I_BBcm_B);
     let attributes = vec![
         ("pos", words(new.p_BoBcm_B.as_slice())),
         ("mass", words(&[new.mass])),
         ("fullinertia", words(&[xx, yy, zz, xy, xz, yz])),
     ];
-    Wanted::new("inertial", attributes).without(&AXES)
+    Some(Wanted::new("inertial", attributes).without(&AXES))
 }
 
 fn spring(joint: Node<'_, '_>, new: &Spring) -> Wanted {
@@ -96,16 +95,4 @@ fn spring(joint: Node<'_, '_>, new: &Spring) -> Wanted {
         .into_iter()
         .filter_map(|(name, x)| Some((name, words(&[x?]))));
     Wanted::new("joint", given.collect())
-}
-
-fn read(body: Node<'_, '_>) -> Option<MassProperties> {
-    let inertial = only(body, "inertial")?;
-    let [mass] = numbers(inertial.attribute("mass"))?;
-    let [xx, yy, zz, xy, xz, yz] = numbers(inertial.attribute("fullinertia"))?;
-    let turned = AXES.iter().any(|name| inertial.has_attribute(*name));
-    (!turned).then_some(MassProperties {
-        mass,
-        p_BoBcm_B: numbers(inertial.attribute("pos"))?.into(),
-        I_BBcm_B: tensor([xx, xy, yy, xz, yz, zz]),
-    })
 }

@@ -1,6 +1,6 @@
 //! SDF, the robot description of Gazebo and Drake.
 
-use super::xml::{Format, UPPER, Wanted, numbers, only, tensor, words};
+use super::xml::{Format, UPPER, Wanted, words};
 use super::{Measured, Patched, Spring};
 use crate::urdf::ELEMENTS;
 use poinsot_spatial::MassProperties;
@@ -25,13 +25,12 @@ pub fn patch_sdf(text: &str, measured: &Measured) -> Result<Patched, String> {
         tag: "link",
         depth: usize::MAX,
         wanted,
-        read,
         spring: Some(spring),
     };
     format.patched(text, measured)
 }
 
-fn wanted(_: Node<'_, '_>, new: &MassProperties) -> Wanted {
+fn wanted(_: Node<'_, '_>, new: &MassProperties) -> Option<Wanted> {
     let element = |(name, at)| Wanted::saying(name, words(&[new.I_BBcm_B[at]]));
     let elements = ELEMENTS.into_iter().zip(UPPER).map(element).collect();
     let pose = words(new.p_BoBcm_B.as_slice()) + " 0 0 0";
@@ -41,7 +40,7 @@ fn wanted(_: Node<'_, '_>, new: &MassProperties) -> Wanted {
         Wanted::holding("inertia", elements),
     ];
     // With `auto`, Gazebo computes other numbers from the shapes.
-    Wanted::holding("inertial", parts).without(&["auto"])
+    Some(Wanted::holding("inertial", parts).without(&["auto"]))
 }
 
 fn spring(_: Node<'_, '_>, new: &Spring) -> Wanted {
@@ -55,18 +54,4 @@ fn spring(_: Node<'_, '_>, new: &Spring) -> Wanted {
         .filter_map(|(name, x)| Some(Wanted::saying(name, words(&[x?]))));
     let dynamics = Wanted::holding("dynamics", given.collect());
     Wanted::holding("joint", vec![Wanted::holding("axis", vec![dynamics])])
-}
-
-fn read(link: Node<'_, '_>) -> Option<MassProperties> {
-    let inertial = only(link, "inertial")?;
-    let inertia = only(inertial, "inertia")?;
-    let [mass] = numbers(only(inertial, "mass")?.text())?;
-    let [x, y, z, 0.0, 0.0, 0.0] = numbers(only(inertial, "pose")?.text())? else {
-        return None;
-    };
-    Some(MassProperties {
-        mass,
-        p_BoBcm_B: [x, y, z].into(),
-        I_BBcm_B: tensor(|name| only(inertia, name)?.text())?,
-    })
 }

@@ -1,9 +1,9 @@
 //! URDF, the robot description of ROS.
 
-use super::xml::{Format, UPPER, Wanted, numbers, only, tensor, words};
+use super::xml::{Format, UPPER, Wanted, words};
 use super::{Measured, Patched};
 use crate::urdf::{ELEMENTS, rotation};
-use poinsot_spatial::{MassProperties, Matrix3};
+use poinsot_spatial::MassProperties;
 use roxmltree::Node;
 
 /// Writes mass properties into the text of a valid URDF file.
@@ -27,20 +27,19 @@ pub fn patch_urdf(text: &str, measured: &Measured) -> Result<Patched, String> {
         tag: "link",
         depth: 2,
         wanted,
-        read,
         spring: None,
     };
     format.patched(text, measured)
 }
 
-fn wanted(link: Node<'_, '_>, new: &MassProperties) -> Wanted {
+fn wanted(link: Node<'_, '_>, new: &MassProperties) -> Option<Wanted> {
     let mut inertial = link.children().filter(|n| n.has_tag_name("inertial"));
     let origin = inertial.next().and_then(|own| {
         let mut origins = own.children().filter(|n| n.has_tag_name("origin"));
         origins.next()
     });
     let rpy = origin.and_then(|origin| origin.attribute("rpy"));
-    let turn = turn(rpy).unwrap_or_else(Matrix3::identity);
+    let turn = rpy.map_or(Some([0.0; 3]), numbers).map(rotation)?;
     let i = turn.transpose() * new.I_BBcm_B * turn;
     let element = |(name, at)| (name, words(&[i[at]]));
     let elements = ELEMENTS.into_iter().zip(UPPER).map(element);
@@ -49,23 +48,13 @@ fn wanted(link: Node<'_, '_>, new: &MassProperties) -> Wanted {
         Wanted::new("mass", vec![("value", words(&[new.mass]))]),
         Wanted::new("inertia", elements.collect()),
     ];
-    Wanted::holding("inertial", parts)
+    Some(Wanted::holding("inertial", parts))
 }
 
-fn read(link: Node<'_, '_>) -> Option<MassProperties> {
-    let inertial = only(link, "inertial")?;
-    let (origin, inertia) = (only(inertial, "origin")?, only(inertial, "inertia")?);
-    let [mass] = numbers(only(inertial, "mass")?.attribute("value"))?;
-    let turn = turn(origin.attribute("rpy"))?;
-    Some(MassProperties {
-        mass,
-        p_BoBcm_B: numbers(origin.attribute("xyz"))?.into(),
-        I_BBcm_B: turn * tensor(|name| inertia.attribute(name))? * turn.transpose(),
-    })
-}
-
-/// The rotation from the axes of the inertial frame to the link; `None` for unreadable angles.
-fn turn(rpy: Option<&str>) -> Option<Matrix3> {
-    rpy.map_or(Some([0.0; 3]), |text| numbers(Some(text)))
-        .map(rotation)
+/// The three finite numbers of an attribute.
+fn numbers(text: &str) -> Option<[f64; 3]> {
+    let words = text.split_whitespace().map(str::parse);
+    let all: Vec<f64> = words.collect::<Result<_, _>>().ok()?;
+    let finite = all.iter().all(|x| x.is_finite());
+    all.try_into().ok().filter(|_| finite)
 }

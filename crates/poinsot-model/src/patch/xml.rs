@@ -1,17 +1,13 @@
 //! Edits of an XML text at the places of its elements. What is not edited keeps its bytes: comments, blanks, order, quotes.
 
 use super::{Measured, Patched, Spring};
-use crate::urdf::{ELEMENTS, excess};
-use poinsot_spatial::{MassProperties, Matrix3};
+use crate::urdf::excess;
+use poinsot_spatial::MassProperties;
 use roxmltree::{Attribute, Document, Node};
-use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// Element of a joint in every format.
 const JOINT: &str = "joint";
-
-/// Largest relative change of a tensor element by rotation and back.
-const ROUNDING: f64 = 1.0e-12;
 
 /// Indices of the tensor elements in the order `xx, xy, xz, yy, yz, zz`.
 pub(super) const UPPER: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
@@ -22,75 +18,81 @@ pub(super) struct Format {
     pub tag: &'static str,
     /// Largest depth of that element; the root has 1.
     pub depth: usize,
-    /// The `<inertial>` that states the mass properties in this element.
-    pub wanted: fn(Node<'_, '_>, &MassProperties) -> Wanted,
-    /// Reads them; `None` if they are not there exactly once.
-    pub read: fn(Node<'_, '_>) -> Option<MassProperties>,
+    /// The `<inertial>` that states the mass properties in this element; `None` where its axes cannot be read.
+    pub wanted: fn(Node<'_, '_>, &MassProperties) -> Option<Wanted>,
     /// A `<joint>` with a spring; `None` where the format has none.
     pub spring: Option<fn(Node<'_, '_>, &Spring) -> Wanted>,
 }
 
+/// An element that is edited.
+struct Part<'a, 'i> {
+    node: Node<'a, 'i>,
+    tag: &'static str,
+    name: &'a str,
+    /// What it is to state; `None` where that cannot be written.
+    wanted: Option<Wanted>,
+    /// The new numbers, and the element that holds them.
+    words: [&'static str; 2],
+}
+
 impl Format {
-    /// Edits the element of every body and joint, and reads the written text back.
+    /// Edits the element of every body and joint, and checks that the written text states the same.
     pub fn patched(&self, text: &str, measured: &Measured) -> Result<Patched, String> {
-        let bodies = &measured.bodies;
         let old = document(text)?;
-        let (mut edits, mut missing) = (Edits::new(), Vec::new());
-        for new in bodies {
-            match self.found(&old, self.tag, &new.body) {
-                Some(node) => {
-                    let inertial = (self.wanted)(node, &new.properties);
-                    Wanted::holding(self.tag, vec![inertial]).edit(node, &mut edits);
-                }
-                None => missing.push(new.body.clone()),
+        let (mut all, mut missing) = (Vec::new(), Vec::new());
+        for new in &measured.bodies {
+            let Some(node) = self.found(&old, self.tag, &new.body) else {
+                missing.push(new.body.clone());
+                continue;
+            };
+            let inertial = (self.wanted)(node, &new.properties);
+            all.push(Part {
+                node,
+                tag: self.tag,
+                name: &new.body,
+                wanted: inertial.map(|inertial| Wanted::holding(self.tag, vec![inertial])),
+                words: ["mass, mass centre and inertia", "its <inertial>"],
+            });
+        }
+        if let Some(of) = self.spring {
+            for (name, spring) in Spring::all(&measured.numbers) {
+                let node = self.found(&old, JOINT, name);
+                all.extend(node.map(|node| Part {
+                    node,
+                    tag: JOINT,
+                    name,
+                    wanted: Some(of(node, &spring)),
+                    words: ["spring", "the joint"],
+                }));
             }
         }
-        let mut joints = Vec::new();
-        let springs = self
-            .spring
-            .map(|wanted| (wanted, Spring::all(&measured.numbers)));
-        for (wanted, (name, spring)) in springs
-            .iter()
-            .flat_map(|(w, all)| all.iter().map(move |s| (w, s)))
-        {
-            if let Some(node) = self.found(&old, JOINT, name) {
-                let wanted = wanted(node, spring);
-                wanted.edit(node, &mut edits);
-                joints.push((*name, wanted));
-            }
+        let mut edits = Edits::new();
+        for part in &all {
+            let wanted = part.wanted.iter();
+            wanted.for_each(|wanted| wanted.edit(part.node, &mut edits));
         }
         edits.sort_by_key(|(place, _)| (place.start, place.end));
         edits.dedup_by(|a, b| a.0 == b.0);
-        let mut written = text.to_owned();
+        let mut text = text.to_owned();
         for (place, new) in edits.into_iter().rev() {
-            written.replace_range(place, &new);
+            text.replace_range(place, &new);
         }
-        let again = document(&written)?;
-        for new in bodies.iter().filter(|new| !missing.contains(&new.body)) {
-            let read = self.found(&again, self.tag, &new.body).and_then(self.read);
-            if !read.is_some_and(|read| is_same(&read, &new.properties)) {
+        let again = document(&text)?;
+        for part in &all {
+            let node = self.found(&again, part.tag, part.name);
+            let mut both = part.wanted.iter().zip(node);
+            if !both.any(|(wanted, node)| wanted.is_said_by(node)) {
+                let (tag, name, [what, place]) = (part.tag, part.name, part.words);
                 return Err(format!(
-                    "<{}> \"{}\": the new mass, mass centre and inertia would not be read back; state each element of its <inertial> once",
-                    self.tag, new.body
+                    "<{tag}> \"{name}\": the new {what} would not be read back; state each element of {place} once"
                 ));
             }
         }
-        for (name, wanted) in &joints {
-            if !self
-                .found(&again, JOINT, name)
-                .is_some_and(|node| wanted.is_said_by(node))
-            {
-                return Err(format!(
-                    "<{JOINT}> \"{name}\": the new spring would not be read back; state each element of the joint once"
-                ));
-            }
-        }
-        let parts: BTreeSet<String> = joints.iter().map(|(name, _)| (*name).to_owned()).collect();
-        let text = written;
+        let joints = all.iter().filter(|part| part.tag == JOINT);
         Ok(Patched {
+            parts: joints.map(|part| part.name.to_owned()).collect(),
             text,
             missing,
-            parts,
         })
     }
 
@@ -111,13 +113,6 @@ impl Format {
     }
 }
 
-fn is_same(read: &MassProperties, new: &MassProperties) -> bool {
-    let rounding = ROUNDING * new.I_BBcm_B.amax();
-    read.mass == new.mass
-        && read.p_BoBcm_B == new.p_BoBcm_B
-        && (read.I_BBcm_B - new.I_BBcm_B).amax() <= rounding
-}
-
 /// Parses an XML text after checking its limits.
 pub(super) fn document(text: &str) -> Result<Document<'_>, String> {
     if let Some(excess) = excess(text) {
@@ -131,26 +126,9 @@ pub(super) fn document(text: &str) -> Result<Document<'_>, String> {
 }
 
 /// The child element of a name, if there is exactly one.
-pub(super) fn only<'a, 'i>(node: Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
+fn only<'a, 'i>(node: Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
     let mut found = node.children().filter(|n| n.has_tag_name(name));
     found.next().filter(|_| found.next().is_none())
-}
-
-/// Numbers of an attribute or a text.
-pub(super) fn numbers<const N: usize>(text: Option<&str>) -> Option<[f64; N]> {
-    let words = text?.split_whitespace();
-    let all: Option<Vec<f64>> = words.map(|word| word.parse().ok()).collect();
-    all?.try_into().ok()
-}
-
-/// The tensor whose elements have the names of URDF and SDF.
-pub(super) fn tensor<'t>(text: impl Fn(&str) -> Option<&'t str>) -> Option<Matrix3> {
-    let mut elements = [0.0; 6];
-    for (element, name) in elements.iter_mut().zip(ELEMENTS) {
-        [*element] = numbers(text(name))?;
-    }
-    let [xx, xy, xz, yy, yz, zz] = elements;
-    Some(poinsot_spatial::tensor([xx, xy, yy, xz, yz, zz]))
 }
 
 /// Numbers as text that reads back to the same bits.
