@@ -4,7 +4,6 @@ use crate::estimate::{WHOLE, body_title, open_sentences, sensitivities};
 use crate::templates::TEMPLATES;
 use minijinja::{Value, context};
 use poinsot_figures::{Document, Tone};
-use poinsot_files::{counted, significant};
 use poinsot_formats::{
     KnownNumbersFile, MassFile, PredictedNumberFile, PredictionFile, SensitivityFile, WantedFile,
 };
@@ -13,8 +12,6 @@ type Body = MassFile<PredictedNumberFile>;
 
 /// How well a known number may be measured, of its value.
 const MEASURED: f64 = 0.01;
-/// Significant figures of a predicted sigma.
-const FIGURES: i32 = 2;
 
 /// The prediction as a document.
 ///
@@ -91,24 +88,18 @@ pub(crate) fn predicted_sigma(n: &PredictedNumberFile) -> Option<f64> {
 /// ```
 pub fn prediction_sentence(prediction: &PredictionFile) -> String {
     let bodies = prediction.bodies.iter();
-    let (shown, silent): (Vec<_>, Vec<_>) = bodies.partition(|b| is_shown(b.1));
-    let mut told: Vec<String> = shown.iter().map(|b| of_body(b.0, b.1)).collect();
-    if !silent.is_empty() {
-        let whole = prediction.system.iter().filter(|b| is_shown(b));
-        told.extend(whole.map(|b| of_body("system", b)));
-        let names: Vec<&str> = silent.iter().map(|b| b.0.as_str()).collect();
-        let names = names.join(", ");
-        told.push(format!("no single number of {names} is identifiable"));
-    }
-    let found = &prediction.identifiability;
-    format!(
-        "{} of this manoeuvre ({}, {} of {}): {}.",
-        duration(prediction.duration_s),
-        prediction.model,
-        found.rank,
-        counted(found.parameters, "combination"),
-        told.join("; ")
-    )
+    let bodies = bodies.map(|(name, b)| (name.as_str(), b));
+    let (mut shown, silent): (Vec<_>, Vec<_>) = bodies.partition(|b| is_shown(b.1));
+    let whole = prediction.system.iter();
+    let whole = whole.filter(|b| !silent.is_empty() && is_shown(b));
+    shown.extend(whole.map(|b| ("system", b)));
+    let context = context! {
+        shown,
+        silent => silent.iter().map(|b| b.0).collect::<Vec<_>>(),
+        duration => duration(prediction.duration_s),
+        ..Value::from_serialize(prediction)
+    };
+    TEMPLATES.lines("prediction_sentence.txt", context).concat()
 }
 
 /// A duration without unnecessary decimals.
@@ -119,65 +110,4 @@ fn duration(s: f64) -> String {
         (s / 60.0, "min")
     };
     format!("{} {unit}", (100.0 * value).round() / 100.0)
-}
-
-fn of_body(name: &str, body: &Body) -> String {
-    let mut told = Vec::new();
-    let mut open = Vec::new();
-    let mass = &body.mass_kg;
-    match mass.source {
-        None => open.push("mass".to_owned()),
-        Some(_) if mass.is_known() => {}
-        Some(_) => told.push(format!("mass to {}", relative(mass, mass.nominal))),
-    }
-    let com = body.com_m.named();
-    let worst = com.iter().filter_map(|c| predicted_sigma(c.1));
-    if let Some(worst) = worst.reduce(f64::max) {
-        told.push(format!("mass centre to {}", length(worst)));
-    }
-    let com_open: Vec<_> = com.iter().filter(|c| c.1.source.is_none()).collect();
-    match com_open.len() {
-        3 => open.push("mass centre".to_owned()),
-        _ => open.extend(com_open.iter().map(|c| format!("com_{}", c.0))),
-    }
-    let inertia = &body.inertia_kg_m2;
-    let moments = [&inertia.xx, &inertia.yy, &inertia.zz].map(|n| n.nominal.abs());
-    let largest = moments.into_iter().fold(0.0, f64::max);
-    for (name, n) in inertia.named() {
-        match n.source {
-            None => open.push(format!("I{name}")),
-            Some(_) if n.is_known() => {}
-            _ if matches!(name, "xx" | "yy" | "zz") => {
-                told.push(format!("I{name} to {}", relative(n, n.nominal)));
-            }
-            // A product of inertia may be zero, so it is compared with the largest moment.
-            _ => told.push(format!(
-                "I{name} to {} of the largest moment",
-                relative(n, largest)
-            )),
-        }
-    }
-    let mut text = format!("{name} {}", told.join(", "));
-    if !open.is_empty() {
-        text.push_str(&format!(", {} not identifiable", open.join(", ")));
-    }
-    text
-}
-
-fn relative(n: &PredictedNumberFile, scale: f64) -> String {
-    match predicted_sigma(n) {
-        Some(s) if scale != 0.0 => format!("{} %", significant(100.0 * s / scale.abs(), FIGURES)),
-        Some(s) => significant(s, FIGURES),
-        None => "-".to_owned(),
-    }
-}
-
-/// A length in a unit that keeps the number short.
-fn length(m: f64) -> String {
-    let (factor, unit) = match m {
-        m if m >= 1.0 => (1.0, "m"),
-        m if m >= 1.0e-3 => (1.0e3, "mm"),
-        _ => (1.0e6, "um"),
-    };
-    format!("{} {unit}", significant(m * factor, FIGURES))
 }

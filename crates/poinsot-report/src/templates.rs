@@ -34,6 +34,7 @@ pub(crate) static TEMPLATES: LazyLock<Templates> = LazyLock::new(|| {
         "picture.html"
         "plan.txt"
         "prediction.txt"
+        "prediction_sentence.txt"
         "sentence.txt"
         "headline.txt"
         "design_sentence.txt"
