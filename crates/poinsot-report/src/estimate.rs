@@ -1,6 +1,6 @@
 //! An estimate as a terminal document.
 
-use crate::checks::{causes, check};
+use crate::checks::causes;
 use crate::summary;
 use crate::templates::TEMPLATES;
 use crate::verdict::Standing;
@@ -59,8 +59,7 @@ pub fn estimate_document(e: &EstimateFile, detail: Detail) -> Document {
         bodies => bodies.collect::<Vec<_>>(),
         open => open_sentences(&e.identifiability.not_identifiable),
         determined => determined.filter(|c| !is_tabled(c)).collect::<Vec<_>>(),
-        tests => e.evidence.iter().map(check).collect::<Vec<_>>(),
-        causes => e.diagnostics.iter().flat_map(causes).collect::<Vec<_>>(),
+        causes => causes(e),
         sensitive => sensitivities(&e.known_numbers, &e.covariance),
         found => found.map(line).collect::<Vec<_>>(),
         ..Value::from_serialize(e)

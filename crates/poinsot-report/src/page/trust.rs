@@ -39,7 +39,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
             records,
             steps => steps.map(|html| html.value()),
             steps_taken => answer.data.costs.len().saturating_sub(1),
-            causes => e.diagnostics.iter().flat_map(causes).collect::<Vec<_>>(),
+            causes => causes(e),
             evidence => e.evidence,
             against => e.evidence.iter().filter(against).count(),
             reduced => envelope.note(),
