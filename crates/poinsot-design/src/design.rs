@@ -4,9 +4,9 @@ use crate::interrupt::Listening;
 use crate::mover::{Command, Target};
 use crate::progress::{Progress, Told};
 use crate::result::{Designed, REACHED, Uses};
-use crate::search::{Found, refine, refine_unless, search};
+use crate::search::{Found, NEVER, refine, search};
 use crate::shape::Space;
-use crate::trial::{Deadline, Question, SURE};
+use crate::trial::{Deadline, OTHERS, Question, SCENARIOS, SURE};
 use crate::verify::{check_flights, verify};
 use crate::watch::Watch;
 use crate::written::manoeuvre_text;
@@ -153,13 +153,13 @@ pub fn design_case(case: &Case, model: Model, request: &DesignRequest) -> Result
     let (mut x, mut uses) = asked.held(&question, &space, &found)?;
     let mut others = None;
     if let Some((nominal, of_nominal)) = of_nominal {
-        let of_own = question.over_others(&space, &x);
-        let of_first = question.over_others(&space, &nominal);
+        let of_own = question.over(OTHERS, &space, &x);
+        let of_first = question.over(OTHERS, &space, &nominal);
         if of_first < of_own {
             // Vehicles that no search has seen decide: the robust manoeuvre suits those of its search.
             (x, uses) = (nominal, of_nominal);
         }
-        others = Some((question.over_scenarios(&space, &x), of_own, of_first));
+        others = Some((question.over(SCENARIOS, &space, &x), of_own, of_first));
     }
     let mut designed = asked.told(&space, (&x, &found), (uses, reference, shorter))?;
     let file = &mut designed.file;
@@ -291,7 +291,7 @@ impl<'c> Asked<'c> {
         question.forget_best();
         let few = FEW_STEPS * (space.len() + 2);
         let budget = (self.design.evaluations / ROBUST_PART).max(few);
-        if let Some(better) = refine(question, space, &found.reached.x, budget) {
+        if let Some(better) = refine(question, space, &found.reached.x, (budget, NEVER)) {
             found.reached = better;
         }
         self.leave_margins(question, space, &mut found.reached)
@@ -318,7 +318,7 @@ impl<'c> Asked<'c> {
         let all = self.design.evaluations;
         let part = match self.design.objective {
             Objective::ShortestTime => (all - all / TIME_PARTS, -SURE),
-            _ => (all, f64::NEG_INFINITY),
+            _ => (all, NEVER),
         };
         let Some(found) = search(question, &space, &given, part) else {
             // Return the error of the simulation if the vehicle cannot fly even at rest.
@@ -355,7 +355,7 @@ impl<'c> Asked<'c> {
     /// Searches again at the shortest duration: its best manoeuvre may be far from that of the longest.
     fn search_again(&self, question: &Question, nominal: &mut Nominal, part: usize) {
         let given = [nominal.found.reached.x.clone()];
-        let again = search(question, &nominal.space, &given, (part, f64::NEG_INFINITY));
+        let again = search(question, &nominal.space, &given, (part, NEVER));
         let merit = |f: &Found| f.reached.values.merit();
         if let Some(again) = again.filter(|f| merit(f) < merit(&nominal.found)) {
             nominal.found = again;
@@ -390,7 +390,7 @@ impl<'c> Asked<'c> {
                 break;
             };
             let part = (self.design.evaluations / (TIME_PARTS * TIMES)).max(8 * longer.len());
-            let Some(better) = refine(question, &longer, &from, part) else {
+            let Some(better) = refine(question, &longer, &from, (part, NEVER)) else {
                 break;
             };
             let is_enough = better.values.merit() <= -SURE;
@@ -470,7 +470,7 @@ impl<'c> Asked<'c> {
             let from = &nominal.found.reached.x;
             // So good a manoeuvre is shortened by the largest step in any case.
             let how = (part.max(8 * space.len()), -FALL);
-            let Some(reached) = refine_unless(question, &space, from, how) else {
+            let Some(reached) = refine(question, &space, from, how) else {
                 break;
             };
             let time = space.duration.ln();

@@ -3,7 +3,7 @@
 use crate::design::{Asked, FEW_STEPS, ROBUST_PART};
 use crate::reliability::{Fleet, Point, RUNS, Reliability};
 use crate::result::Uses;
-use crate::search::{Found, evaluated, refine};
+use crate::search::{Found, NEVER, evaluated, refine};
 use crate::shape::{Space, linear_uses};
 use crate::trial::{Critical, Program, Question};
 use crate::vehicles::{Prior, has_prior};
@@ -213,7 +213,7 @@ impl Asked<'_> {
             let Some(from) = from.first().map(|search| &search.reached.x) else {
                 break;
             };
-            let Some(better) = refine(question, space, from, budget) else {
+            let Some(better) = refine(question, space, from, (budget, NEVER)) else {
                 break;
             };
             *reached = better;

@@ -1,7 +1,7 @@
 //! Effect of a relaxed limit or longer duration, computed if a wanted sigma is not reached, and the front on request.
 
 use crate::design::{Asked, FEW_STEPS};
-use crate::search::refine;
+use crate::search::{NEVER, refine};
 use crate::shape::Space;
 use crate::trial::Question;
 use poinsot::Error;
@@ -29,11 +29,10 @@ impl Asked<'_> {
         };
         let own = (question, space);
         let of = |group: &Group| {
-            let (worst_ratio, _) = self.with(&[(group, RELAXED)], own, x)?;
             Some(RelaxedFile {
                 what: group.words.to_owned(),
                 factor: RELAXED,
-                worst_ratio,
+                worst_ratio: self.with(&[(group, RELAXED)], own, x)?.worst_ratio,
             })
         };
         GROUPS.iter().filter(is_active).filter_map(of).collect()
@@ -76,27 +75,25 @@ impl Asked<'_> {
         x: &[f64],
         ratio: f64,
     ) -> Vec<FrontPointFile> {
-        let of = |(factors, x, worst_ratio)| Point {
-            factors,
-            x,
-            worst_ratio,
-        };
-        let mut done = vec![of((vec![1.0; limits.len()], x.to_vec(), ratio))];
-        let reach = |factors: Vec<f64>, from: &[f64]| {
+        let mut done = vec![Point {
+            factors: vec![1.0; limits.len()],
+            x: x.to_vec(),
+            worst_ratio: ratio,
+        }];
+        let reach = |factors: &[f64], from: &Point| {
             let relaxed = limits.iter().map(|l| l.group).zip(factors.iter().copied());
-            let (ratio, x) = self.with(&relaxed.collect::<Vec<_>>(), own, from)?;
-            Some(of((factors, x, ratio)))
+            self.with(&relaxed.collect::<Vec<_>>(), own, &from.x)
         };
         for factors in combinations(limits) {
             let away = |p: &&Point| distance(&p.factors, &factors);
             let nearest = done.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
-            let found = nearest.and_then(|from| reach(factors.clone(), &from.x));
+            let found = nearest.and_then(|from| reach(&factors, from));
             done.extend(found);
         }
         for k in 1..done.len() {
             let better = done.iter().filter(|p| p.dominates(&done[k]));
             let best = better.min_by(|a, b| a.worst_ratio.total_cmp(&b.worst_ratio));
-            let again = best.and_then(|from| reach(done[k].factors.clone(), &from.x));
+            let again = best.and_then(|from| reach(&done[k].factors, from));
             if let Some(again) = again.filter(|p| p.worst_ratio < done[k].worst_ratio) {
                 done[k] = again;
             }
@@ -112,14 +109,14 @@ impl Asked<'_> {
         all.into_iter().map(file).collect()
     }
 
-    /// Largest ratio with limits scaled by factors, and the free numbers in the units of the case's space, as are those
-    /// from which it starts; `None` if no manoeuvre holds the limits.
+    /// The point with limits scaled by factors, from free numbers in the units of the case's space; `None` if no manoeuvre holds
+    /// the limits.
     fn with(
         &self,
         relaxed: &[(&Group, f64)],
         (own, of_own): (&Question, &Space),
         from: &[f64],
-    ) -> Option<(f64, Vec<f64>)> {
+    ) -> Option<Point> {
         let mut limits = self.limits.clone();
         let mut of_time = 1.0;
         for (group, factor) in relaxed {
@@ -141,10 +138,11 @@ impl Asked<'_> {
         question.critical.clone_from(&own.critical);
         let budget = FEW_STEPS * (space.len() + 2);
         let from = of_own.converted(from, &space);
-        let reached = refine(&question, &space, &from, budget)?;
-        (reached.values.broken() <= BROKEN).then(|| {
-            let ratio = reached.values.worst().exp();
-            (ratio, space.converted(&reached.x, of_own))
+        let reached = refine(&question, &space, &from, (budget, NEVER))?;
+        (reached.values.broken() <= BROKEN).then(|| Point {
+            factors: relaxed.iter().map(|r| r.1).collect(),
+            x: space.converted(&reached.x, of_own),
+            worst_ratio: reached.values.worst().exp(),
         })
     }
 }

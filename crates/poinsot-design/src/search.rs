@@ -8,6 +8,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
+use std::cmp::Ordering;
 
 /// Random manoeuvres for each start of the search.
 const RANDOM: usize = 50;
@@ -35,6 +36,8 @@ const STRETCH: f64 = 0.97;
 const TOGETHER: usize = 16;
 /// The search stops when a step lowers the logarithm of the ratio by less.
 const TOLERANCE: f64 = 1.0e-5;
+/// A merit that no manoeuvre has: the search goes on.
+pub const NEVER: f64 = f64::NEG_INFINITY;
 /// First trust region, in free numbers.
 const DELTA: f64 = 0.3;
 
@@ -60,11 +63,10 @@ pub fn search(
     let last = (LAST_EACH * space.len()).min(evaluations / LAST_SHARE);
     let mut left = evaluations.saturating_sub(last);
     let starts = begun(&program, &mut rng, given.to_vec(), (&mut left, enough));
-    if starts.first()?.reached.values.merit() <= enough {
+    if merit(starts.first()?) <= enough {
         return found(starts);
     }
     let (mut best, mut starts) = halved(&program, starts, &mut left)?;
-    let merit = |s: &MinimaxSearch| s.reached.values.merit();
     while left > HOP_POINTS + 2 * space.len() && !program.stop() && merit(&best) > enough {
         let length = HOPS[starts.len() % HOPS.len()];
         let from = (&best.reached, length);
@@ -109,7 +111,7 @@ fn hop(
         search.advance(program, &program.space.polytope, follow);
         let spent = search.reached.evaluations - before;
         *left = left.saturating_sub(spent);
-        let behind = search.reached.values.merit() - best.values.merit();
+        let behind = merit(&search) - best.values.merit();
         if spent == 0 || search.reached.settled || behind > HOPELESS / f64::from(round) {
             break;
         }
@@ -130,7 +132,6 @@ fn halved(
     mut ends: Vec<MinimaxSearch>,
     left: &mut usize,
 ) -> Option<(MinimaxSearch, Vec<f64>)> {
-    let merit = |s: &MinimaxSearch| s.reached.values.merit();
     let mut starts = Vec::new();
     while !ends.is_empty() {
         let is_last = ends.len() == 1;
@@ -148,7 +149,7 @@ fn halved(
             })
             .sum();
         *left = left.saturating_sub(spent);
-        ends.sort_by(|a, b| merit(a).total_cmp(&merit(b)));
+        ends.sort_by(by_merit);
         if starts.is_empty() {
             starts = ends.iter().map(|e| e.reached.values.worst()).collect();
         }
@@ -179,14 +180,13 @@ fn begun(
     let random = pool.split_off(of_case);
     let mut all = evaluated(program, pool, left);
     for part in random.chunks(TOGETHER) {
-        if all.iter().any(|s| s.reached.values.merit() <= enough) {
+        if all.iter().any(|s| merit(s) <= enough) {
             break;
         }
         all.extend(evaluated(program, part.to_vec(), left));
     }
-    let merit = |s: &MinimaxSearch| s.reached.values.merit();
     let given = all.len().min(of_case);
-    all[given..].sort_by(|a, b| merit(a).total_cmp(&merit(b)));
+    all[given..].sort_by(by_merit);
     all.truncate(wanted);
     all
 }
@@ -200,23 +200,12 @@ pub fn evaluated(program: &Program, pool: Vec<Vec<f64>>, left: &mut usize) -> Ve
         .collect();
     let begun = |(x, values): (Vec<f64>, Option<Values>)| Some(MinimaxSearch::begin(x, values?));
     let mut all: Vec<MinimaxSearch> = pool.into_iter().zip(values).filter_map(begun).collect();
-    let merit = |s: &MinimaxSearch| s.reached.values.merit();
-    all.sort_by(|a, b| merit(a).total_cmp(&merit(b)));
+    all.sort_by(by_merit);
     all
 }
 
-/// Continues from one manoeuvre in a slightly changed space.
+/// Continues from one manoeuvre in a slightly changed space, unless it has a merit of `enough` there.
 pub fn refine(
-    question: &Question,
-    space: &Space,
-    from: &[f64],
-    evaluations: usize,
-) -> Option<Reached> {
-    refine_unless(question, space, from, (evaluations, f64::NEG_INFINITY))
-}
-
-/// The same, unless the manoeuvre has a merit of `enough` there.
-pub fn refine_unless(
     question: &Question,
     space: &Space,
     from: &[f64],
@@ -226,10 +215,19 @@ pub fn refine_unless(
     let mut left = evaluations;
     let from = vec![space.drawn_inside(from.to_vec())];
     let mut search = evaluated(&program, from, &mut left).into_iter().next()?;
-    if search.reached.values.merit() > enough {
+    if merit(&search) > enough {
         search.advance(&program, &space.polytope, options(left, LAST_STEPS));
     }
     Some(search.reached)
+}
+
+fn merit(search: &MinimaxSearch) -> f64 {
+    search.reached.values.merit()
+}
+
+/// The better one first.
+fn by_merit(a: &MinimaxSearch, b: &MinimaxSearch) -> Ordering {
+    merit(a).total_cmp(&merit(b))
 }
 
 fn options(evaluations: usize, steps: usize) -> MinimaxOptions {

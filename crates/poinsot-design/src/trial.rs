@@ -34,11 +34,11 @@ const HELD: f64 = 1.0e-4;
 const TOLD: f64 = 1.0e-3;
 /// Share of the time of a search until which it hops; the rest is for its last steps and for the vehicles of the prior.
 const HOPPING: f64 = 0.75;
-/// Number of vehicles of the prior in a robust design: its worst tenth are more than the free numbers of most manoeuvres, which
-/// would else suit these vehicles alone.
-const SCENARIOS: u64 = 256;
-/// Number of other vehicles by which a robust design is judged, and their first random stream.
-const OTHERS: u64 = 1000;
+/// Vehicles of the prior in a robust design, by their random streams: the worst tenth are more than the free numbers of most
+/// manoeuvres, which would else suit these vehicles alone.
+pub const SCENARIOS: Range<u64> = 0..256;
+/// Other vehicles, that no search has seen, by which a robust design is judged.
+pub const OTHERS: Range<u64> = OTHERS_STREAM..OTHERS_STREAM + 1000;
 const OTHERS_STREAM: u64 = 1 << 34;
 /// Fraction of the worst scenarios whose mean a robust design minimises, and the fraction that it flies between two looks at all.
 const TAIL: f64 = 0.1;
@@ -265,25 +265,16 @@ impl Question {
 
     /// The vehicles of a robust design that do worst in this manoeuvre, enough for its worst tenth and those that may become it.
     pub fn worst_scenarios(&self, space: &Space, x: &[f64]) -> Option<Vec<Model>> {
-        let all = self.drawn(0..SCENARIOS);
+        let all = self.drawn(SCENARIOS);
         let ratios = self.ratios(&all, &self.scenario(space, x)?)?;
         let mut ranked: Vec<(f64, Model)> = ratios.into_iter().zip(all).collect();
         ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-        ranked.truncate((NEAR_TAIL * SCENARIOS as f64) as usize);
+        ranked.truncate((NEAR_TAIL * SCENARIOS.end as f64) as usize);
         Some(ranked.into_iter().map(|r| r.1).collect())
     }
 
-    /// The worst tenth of all vehicles of a robust design.
-    pub fn over_scenarios(&self, space: &Space, x: &[f64]) -> Option<f64> {
-        self.over(0..SCENARIOS, space, x)
-    }
-
-    /// The worst tenth of vehicles that no search has seen.
-    pub fn over_others(&self, space: &Space, x: &[f64]) -> Option<f64> {
-        self.over(OTHERS_STREAM..OTHERS_STREAM + OTHERS, space, x)
-    }
-
-    fn over(&self, numbers: Range<u64>, space: &Space, x: &[f64]) -> Option<f64> {
+    /// The worst tenth of these vehicles.
+    pub fn over(&self, numbers: Range<u64>, space: &Space, x: &[f64]) -> Option<f64> {
         let vehicles = self.drawn(numbers);
         let ratios = self.ratios(&vehicles, &self.scenario(space, x)?)?;
         Some(tail_mean(ratios, TAIL * vehicles.len() as f64))
@@ -302,7 +293,7 @@ impl Question {
         let mut objectives = self.objectives(&flight.covariance);
         if !self.vehicles.is_empty() {
             let ratios = self.ratios(&self.vehicles, &scenario)?;
-            objectives = vec![tail_mean(ratios, TAIL * SCENARIOS as f64)];
+            objectives = vec![tail_mean(ratios, TAIL * SCENARIOS.end as f64)];
         }
         let mut limits = flight.course.windows(&self.watch);
         for critical in &self.critical {

@@ -47,34 +47,29 @@ pub(crate) fn verify(
     question: &Question,
     flights: u64,
 ) -> Result<DesignVerificationFile, Error> {
-    let wants = &question.wants;
     let one = |k: u64| flight(case, question, k);
     let all: Vec<Outcome> = (0..flights).into_par_iter().map(one).collect();
-    let mut failed = Vec::new();
-    let mut squares = vec![0.0; wants.len()];
-    let (mut answered, mut limits_broken) = (0_u64, 0);
+    let (mut failed, mut flown) = (Vec::new(), Vec::new());
     for (k, outcome) in all.into_iter().enumerate() {
         match outcome {
             Err(why) => failed.push(format!("flight {k}: {why}")),
-            Ok((ratios, is_broken)) => {
-                answered += 1;
-                limits_broken += u64::from(is_broken);
-                for (sum, ratio) in squares.iter_mut().zip(ratios) {
-                    *sum += ratio * ratio;
-                }
-            }
+            Ok(flight) => flown.push(flight),
         }
     }
+    let answered = flown.len() as u64;
+    let limits_broken = flown.iter().filter(|flight| flight.1).count() as u64;
     let band = Band::of_rms(answered.max(1));
-    let numbers = wants
-        .iter()
-        .zip(squares)
-        .map(|(want, sum)| VerifiedNumberFile {
+    let number = |(i, want): (usize, &Want)| {
+        let ratios = flown.iter().map(|flight| flight.0[i]);
+        let squares = ratios.fold(0.0, |sum, ratio| sum + ratio * ratio);
+        VerifiedNumberFile {
             name: want.name.clone(),
-            rms_ratio: (sum / answered.max(1) as f64).sqrt(),
+            rms_ratio: (squares / answered.max(1) as f64).sqrt(),
             band: [band.low, band.high],
             flights: answered,
-        });
+        }
+    };
+    let numbers = question.wants.iter().enumerate().map(number);
     let numbers: Vec<VerifiedNumberFile> = numbers.collect();
     let held = numbers.iter().all(|n| band.holds(n.rms_ratio));
     Ok(DesignVerificationFile {

@@ -3,13 +3,13 @@
 //! One eighth of the second difference is added to each value: the most by which it can rise between samples.
 
 use crate::mover::Target;
-use poinsot::case::{Capsule, Case, Limits, ThrusterLimit};
+use poinsot::case::{Capsule, Case, Limits};
 use poinsot_dynamics::{MotionSample, Times};
-use poinsot_model::Model;
+use poinsot_model::{Model, Thruster};
 use poinsot_spatial::Vector3;
 
 /// Parts of the manoeuvre whose largest values are limited separately, so that the search locates a violation.
-const WINDOWS: usize = 12;
+pub const WINDOWS_EACH: usize = 12;
 
 /// Samples of the final check per sample of the case.
 const FINE: f64 = 5.0;
@@ -46,24 +46,13 @@ enum Kind {
     Plume(usize, usize),
 }
 
-/// A thruster whose plume must not meet the capsules of other bodies.
-#[derive(Debug, Clone)]
-struct Plume {
-    body: usize,
-    p_BoT_B: Vector3,
-    /// Unit direction of the exhaust, in the body.
-    axis_B: Vector3,
-    half_angle: f64,
-}
-
 /// All limits on the motion of a vehicle.
 #[derive(Debug, Clone)]
 pub struct Watch {
     /// Limits, in the order of the values.
     pub watched: Vec<Watched>,
     limits: Limits,
-    /// One per thruster.
-    plumes: Vec<Option<Plume>>,
+    thrusters: Vec<Thruster>,
 }
 
 impl Watch {
@@ -111,15 +100,10 @@ impl Watch {
                 }
             }
         }
-        let plumes: Vec<Option<Plume>> = model
-            .thrusters
-            .iter()
-            .zip(&limits.thrusters)
-            .map(plume)
-            .collect();
         for (k, thruster) in model.thrusters.iter().enumerate() {
             let others = limits.capsules.iter().enumerate();
-            let others = others.filter(|(_, c)| plumes[k].is_some() && c.body != thruster.body);
+            let has_plume = limits.thrusters[k].plume.is_some();
+            let others = others.filter(|(_, c)| has_plume && c.body != thruster.body);
             for (c, capsule) in others {
                 let body = &model.bodies[capsule.body].name;
                 let what = format!("plume of {} and {body}", thruster.name);
@@ -129,7 +113,7 @@ impl Watch {
         Self {
             watched,
             limits: limits.clone(),
-            plumes,
+            thrusters: model.thrusters.clone(),
         }
     }
 
@@ -163,15 +147,16 @@ impl Watch {
     /// Distance of a capsule from the plume of a thruster, m; infinite while the thruster is off.
     fn outside_plume(&self, sample: &MotionSample, k: usize, c: usize) -> f64 {
         let fires = sample.thrust.get(k).is_some_and(|f| *f != 0.0);
-        let (Some(plume), true) = (&self.plumes[k], fires) else {
+        let (Some(half_angle), true) = (self.limits.thrusters[k].plume, fires) else {
             return f64::INFINITY;
         };
+        let thruster = &self.thrusters[k];
         let (capsule, frame) = (&self.limits.capsules[c], &sample.kinematics);
         let in_base = |body: usize, p: Vector3| frame.p[body] + frame.R[body] * p;
-        let nozzle = in_base(plume.body, plume.p_BoT_B);
-        let axis = frame.R[plume.body] * plume.axis_B;
+        let nozzle = in_base(thruster.body, thruster.p_BoT_B);
+        let exhaust = frame.R[thruster.body] * -thruster.direction_B;
         let ends = capsule.ends.map(|p| in_base(capsule.body, p) - nozzle);
-        outside_cone(&axis, plume.half_angle, &ends) - capsule.radius
+        outside_cone(&exhaust, half_angle, &ends) - capsule.radius
     }
 
     /// Relative excess of a value over its limit; not positive if the limit holds.
@@ -184,6 +169,12 @@ impl Watch {
             Kind::Distance(..) | Kind::Plume(..) => w.limit - value,
             _ => value / w.limit - 1.0,
         }
+    }
+
+    /// Relative excess of the values over their limit, each with its largest rise between samples.
+    fn peaks(&self, k: usize, values: &[f64]) -> Vec<f64> {
+        let beyond: Vec<f64> = values.iter().map(|x| self.beyond(k, *x)).collect();
+        with_bends(&beyond)
     }
 }
 
@@ -207,12 +198,11 @@ impl Course {
     pub fn windows(&self, watch: &Watch) -> Vec<f64> {
         let mut out = Vec::new();
         for (k, list) in self.values.iter().enumerate() {
-            let beyond: Vec<f64> = list.iter().map(|x| watch.beyond(k, *x)).collect();
-            let peaks = with_bends(&beyond);
-            let size = peaks.len().div_ceil(WINDOWS).max(1);
+            let peaks = watch.peaks(k, list);
+            let size = peaks.len().div_ceil(WINDOWS_EACH).max(1);
             // A finite value also for a thruster that never fires.
             let largest = |part: &[f64]| part.iter().fold(-1.0, |a: f64, b| a.max(*b));
-            out.extend((0..WINDOWS).map(|w| match peaks.get(w * size..) {
+            out.extend((0..WINDOWS_EACH).map(|w| match peaks.get(w * size..) {
                 Some(rest) if !rest.is_empty() => largest(&rest[..size.min(rest.len())]),
                 _ => -1.0,
             }));
@@ -223,17 +213,13 @@ impl Course {
     /// For each limit: the value nearest to it or furthest beyond, and its relative excess.
     pub fn worst(&self, watch: &Watch) -> Vec<(f64, f64)> {
         let of = |(k, list): (usize, &Vec<f64>)| {
-            let beyond: Vec<f64> = list.iter().map(|x| watch.beyond(k, *x)).collect();
-            let peaks = with_bends(&beyond);
+            let peaks = watch.peaks(k, list);
             let worst = (0..list.len()).max_by(|a, b| peaks[*a].total_cmp(&peaks[*b]));
             worst.map_or((0.0, -1.0), |i| (list[i], peaks[i].max(-1.0)))
         };
         self.values.iter().enumerate().map(of).collect()
     }
 }
-
-/// Number of windows of each limit.
-pub const WINDOWS_EACH: usize = WINDOWS;
 
 /// Values plus their largest rise between samples.
 fn with_bends(y: &[f64]) -> Vec<f64> {
@@ -251,15 +237,6 @@ fn are_apart(model: &Model, a: usize, b: usize) -> bool {
         (j.parent == a && j.child == b) || (j.parent == b && j.child == a)
     };
     a != b && !model.joints.iter().any(joined)
-}
-
-fn plume((thruster, limit): (&poinsot_model::Thruster, &ThrusterLimit)) -> Option<Plume> {
-    Some(Plume {
-        body: thruster.body,
-        p_BoT_B: thruster.p_BoT_B,
-        axis_B: -thruster.direction_B,
-        half_angle: limit.plume?,
-    })
 }
 
 /// Steps of the search along a segment; each divides its length by 1.5.

@@ -1,4 +1,4 @@
-//! SVG elements of a picture from a template, and its legend entries.
+//! The templates, SVG elements of a picture from one of them, and its legend entries.
 
 use crate::error::PageError;
 use crate::template::{Html, Templates};
@@ -6,14 +6,19 @@ use minijinja::Value;
 use serde::Serialize;
 use std::sync::LazyLock;
 
+/// Every template of pages, plots and scenes.
 pub(crate) static TEMPLATES: LazyLock<Templates> = LazyLock::new(|| {
     Templates::new(&[
         ("figure.html", include_str!("../templates/figure.html")),
         ("figure.svg", include_str!("../templates/figure.svg")),
+        ("opening.html", include_str!("../templates/opening.html")),
+        ("page.html", include_str!("../templates/page.html")),
         ("plot.svg", include_str!("../templates/plot.svg")),
         ("scene.svg", include_str!("../templates/scene.svg")),
+        ("tables.html", include_str!("../templates/tables.html")),
     ])
 });
+
 /// A legend entry.
 #[derive(Serialize)]
 pub(crate) struct Key<'a> {

@@ -1,23 +1,16 @@
 //! A self-contained page: no network access but for a live one, and a content security policy with the hashes of its style and scripts.
 
 use crate::document::{Section, Tone};
+use crate::drawing::TEMPLATES;
 use crate::error::PageError;
 use crate::figure::Figure;
-use crate::template::{Html, Templates};
+use crate::template::Html;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use minijinja::{Value, context};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
-use std::sync::LazyLock;
 
-static TEMPLATES: LazyLock<Templates> = LazyLock::new(|| {
-    Templates::new(&[
-        ("opening.html", include_str!("../templates/opening.html")),
-        ("page.html", include_str!("../templates/page.html")),
-        ("tables.html", include_str!("../templates/tables.html")),
-    ])
-});
 /// The style of every page, which begins with the licence of uPlot.
 const STYLE: &str = concat!(
     "/*! uPlot\n",
