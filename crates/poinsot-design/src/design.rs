@@ -212,13 +212,10 @@ impl<'c> Asked<'c> {
                 "add one with number = \"BODY.mass_kg\" and sigma",
             ));
         }
-        let minutes = match minutes {
-            Some(m) if !(m.is_finite() && m > 0.0) => {
-                let what = "must be a positive number";
-                return Err(Error::usage("--minutes", m, what, "give for example 5"));
-            }
-            other => other,
-        };
+        if let Some(m) = minutes.filter(|m| !(m.is_finite() && *m > 0.0)) {
+            let what = "must be a positive number";
+            return Err(Error::usage("--minutes", m, what, "give for example 5"));
+        }
         let mut limits = case.limits(model)?;
         let scenario = case.bind_around(model, design.open())?;
         let designed = |f: &Firing| {

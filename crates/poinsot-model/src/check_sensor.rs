@@ -4,6 +4,7 @@ use crate::check::Check;
 use crate::check_name::unknown_name;
 use crate::file::{ModelFile, NamesFile, NoiseFile, NuisanceFile, SensorFile};
 use crate::finding::{Key, each};
+use crate::shape::quoted;
 use crate::vehicle::{ErrorKey, JointKind, Nuisance, Sensor, SensorKind, SlowError};
 use poinsot_files::list;
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
@@ -63,8 +64,7 @@ fn readables(file: &ModelFile) -> [Readable<'_>; 4] {
 /// Types with `seen_from`, in quotes.
 fn can_see() -> String {
     let all = SensorKind::declared().filter(|kind| kind.seen_from_a_body().is_some());
-    let words: Vec<String> = all.map(|kind| format!("\"{}\"", kind.word())).collect();
-    words.join(", ")
+    quoted(&all.map(SensorKind::word).collect::<Vec<_>>())
 }
 
 impl Check<'_, '_> {

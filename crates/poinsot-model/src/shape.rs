@@ -522,8 +522,7 @@ impl Shape<'_, '_> {
         let mut texts: Vec<String> = Vec::new();
         let words = words(alternatives);
         if !words.is_empty() {
-            let quoted: Vec<String> = words.iter().map(|w| format!("\"{w}\"")).collect();
-            texts.push(quoted.join(", "));
+            texts.push(quoted(&words));
         }
         for alternative in alternatives {
             let text = match type_of(alternative) {
@@ -562,11 +561,7 @@ impl Shape<'_, '_> {
                 let alternatives = inner.map_or_else(Vec::new, |inner| self.alternatives(inner));
                 match words(&alternatives) {
                     words if words.is_empty() => format!("a list of {count}texts in quotes"),
-                    words => {
-                        let quoted: Vec<String> =
-                            words.iter().map(|w| format!("\"{w}\"")).collect();
-                        format!("a list of {}", quoted.join(", "))
-                    }
+                    words => format!("a list of {}", quoted(&words)),
                 }
             }
         }
@@ -665,6 +660,12 @@ fn words_of(schema: &Schema) -> Vec<&str> {
         .flatten()
         .filter_map(Schema::as_str)
         .collect()
+}
+
+/// Words in quotes, with commas between them.
+pub(crate) fn quoted(words: &[&str]) -> String {
+    let quoted: Vec<String> = words.iter().map(|w| format!("\"{w}\"")).collect();
+    quoted.join(", ")
 }
 
 fn words(alternatives: &[&'static Schema]) -> Vec<&'static str> {

@@ -17,7 +17,7 @@ const TERMS: usize = 8;
 const COLUMNS: usize = 12;
 /// Number of cell shades above the lightest.
 const SHADES: f64 = 4.0;
-/// Coefficients this close to one are not written; smaller terms, relative to the largest, are dropped.
+/// Smaller terms, relative to the largest, are dropped.
 const SMALL: f64 = 1.0e-3;
 
 pub(super) fn part(answer: &Answer) -> Result<Option<Part>, PageError> {
@@ -91,34 +91,20 @@ fn algebra(coefficients: &IndexMap<String, f64>, several: bool) -> Value {
     terms.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
     let largest = terms.first().map_or(0.0, |t| t.1.abs());
     terms.retain(|t| t.1.abs() >= SMALL * largest);
-    let shown: Vec<Value> = terms
-        .iter()
-        .take(TERMS)
-        .enumerate()
-        .map(|(at, (name, k))| {
-            let sign = match (at, *k < 0.0) {
-                (0, false) => "",
-                (0, true) => "-",
-                (_, false) => " + ",
-                (_, true) => " - ",
-            };
-            let factor = (k.abs() - 1.0).abs() >= SMALL;
-            term(sign, factor.then_some(k.abs()), name, several)
-        })
-        .collect();
+    let shown = terms.iter().take(TERMS);
+    let shown: Vec<Value> = shown.map(|(name, k)| term(*k, name, several)).collect();
     context! { shown, more => terms.len().saturating_sub(TERMS) }
 }
 
-/// A typeset parameter with its factor.
-fn term(sign: &str, factor: Option<f64>, address: &str, several: bool) -> Value {
+/// A typeset parameter with its coefficient.
+fn term(coefficient: f64, address: &str, several: bool) -> Value {
     let name = unknown_name(address);
     let (body, symbol) = name.rsplit_once('.').unwrap_or(("", &name));
     let (letter, index) = symbol.split_once('_').unwrap_or((symbol, ""));
     // The mass centre is the default point; the frame origin is named.
     let index = index.replace("BBcm_", "").replace("BBo_", "Bo ");
     context! {
-        sign, letter, index,
-        factor,
+        coefficient, letter, index,
         body => several.then_some(body),
     }
 }
@@ -149,7 +135,7 @@ fn matrix(open: &[UndeterminedFile], several: bool) -> Option<Value> {
     };
     let head: Vec<Value> = names
         .iter()
-        .map(|name| context! { shown => [term("", None, name, several)] })
+        .map(|name| context! { shown => [term(1.0, name, several)] })
         .collect();
     let rows: Vec<Value> = open.iter().map(row).collect();
     (names.len() <= COLUMNS).then(|| context! { head, rows })
