@@ -285,7 +285,7 @@ impl<'c> Asked<'c> {
     ) -> Result<(), Error> {
         question.vehicles = vec![self.model.clone()];
         self.follow_the_worst(question, space, &found.reached.x);
-        question.forget_best();
+        question.progress.iter().for_each(Progress::forget);
         let few = FEW_STEPS * (space.len() + 2);
         let budget = (self.design.evaluations / ROBUST_PART).max(few);
         if let Some(better) = refine(question, space, &found.reached.x, (budget, NEVER)) {

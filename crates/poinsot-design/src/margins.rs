@@ -1,6 +1,7 @@
 //! Use of the limits by a manoeuvre, and the vehicles of the prior that must hold them.
 
 use crate::design::{Asked, FEW_STEPS, ROBUST_PART};
+use crate::progress::Progress;
 use crate::reliability::{Fleet, Point, RUNS, Reliability};
 use crate::result::Uses;
 use crate::search::{Found, NEVER, evaluated, refine};
@@ -123,7 +124,7 @@ impl Fleet for Flying<'_> {
     }
 
     fn is_possible(&self, z: &[f64]) -> bool {
-        self.prior.is_physical(z)
+        self.prior.bodies(z).is_some()
     }
 
     fn beyond(&self, z: &[f64]) -> Result<Vec<f64>, Error> {
@@ -243,7 +244,7 @@ impl Asked<'_> {
                 };
             }
         }
-        question.forget_best();
+        question.progress.iter().for_each(Progress::forget);
         Ok(true)
     }
 

@@ -65,7 +65,7 @@ impl Progress {
         }
     }
 
-    /// What was best may not be under other limits.
+    /// What was best may not be under other limits, or for other vehicles.
     pub fn forget(&self) {
         if let Ok(mut best) = self.best.lock() {
             *best = None;

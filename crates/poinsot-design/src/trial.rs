@@ -246,13 +246,6 @@ impl Question {
         (0..self.wants.len()).map(of).fold(0.0, f64::max)
     }
 
-    /// What was best may not be under other limits, or for other vehicles.
-    pub(crate) fn forget_best(&self) {
-        if let Some(progress) = &self.progress {
-            progress.forget();
-        }
-    }
-
     /// The logarithm of the largest ratio of each of these vehicles; `None` if one cannot fly.
     fn ratios(&self, vehicles: &[Model], scenario: &Scenario) -> Option<Vec<f64>> {
         let one = |m: &Model| {

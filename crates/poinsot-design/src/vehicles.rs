@@ -121,12 +121,8 @@ impl<'m> Prior<'m> {
         Some(vehicle)
     }
 
-    /// Whether every body of the vehicle of these numbers is physical.
-    pub fn is_physical(&self, normal: &[f64]) -> bool {
-        self.bodies(normal).is_some()
-    }
-
-    fn bodies(&self, normal: &[f64]) -> Option<Vec<Body>> {
+    /// Its bodies alone.
+    pub fn bodies(&self, normal: &[f64]) -> Option<Vec<Body>> {
         let shifts = &self.factor * DVectorView::from_slice(normal, normal.len());
         let mut bodies = self.model.bodies.clone();
         for (moved, shift) in self.moved.iter().zip(shifts.iter()) {
@@ -144,7 +140,7 @@ impl<'m> Prior<'m> {
         for part in &self.parts {
             let is_found = (0..DRAWS).any(|_| {
                 normal[part.clone()].fill_with(&mut *unit);
-                self.is_physical(&normal)
+                self.bodies(&normal).is_some()
             });
             if !is_found {
                 normal[part.clone()].fill(0.0);

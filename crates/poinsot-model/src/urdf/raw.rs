@@ -205,8 +205,13 @@ impl Reader<'_> {
     }
 
     fn refuse(&mut self, node: Node<'_, '_>, problem: String, remedy: &str) {
-        let remark = refused(node, problem, remedy).on(self.subject.as_str());
-        self.remarks.push(remark);
+        self.remark("", refused(node, problem, remedy));
+    }
+
+    /// A remark on a part of this link or joint.
+    fn remark(&mut self, part: &str, remark: Remark) {
+        let subject = format!("{}{part}", self.subject);
+        self.remarks.push(remark.on(subject));
     }
 
     fn link(&mut self, node: Node<'_, '_>, name: &str) -> Link {
@@ -275,12 +280,11 @@ impl Reader<'_> {
     ) -> Option<[f64; N]> {
         let mut refuse = |problem: String, remedy: &str| {
             let element = excerpt(node.tag_name().name(), 40);
-            let key = format!("{} <{element} {name}>", self.subject);
-            let remark = refused(node, problem, remedy).on(key);
-            self.remarks.push(match node.attribute(name) {
-                None | Some("") => remark,
-                Some(text) => remark.with_value(text, 60),
-            });
+            let mut remark = refused(node, problem, remedy);
+            if let Some(text) = node.attribute(name).filter(|text| !text.is_empty()) {
+                remark = remark.with_value(text, 60);
+            }
+            self.remark(&format!(" <{element} {name}>"), remark);
         };
         let Some(text) = node.attribute(name) else {
             if missing.is_none() {
@@ -330,8 +334,7 @@ impl Reader<'_> {
             let remedy =
                 "write revolute, continuous, prismatic or fixed; a base that floats needs no joint";
             let remark = Remark::new(Some("E0122"), byte, problem, remedy);
-            let remark = remark.on(format!("{} type", self.subject));
-            self.remarks.push(remark.with_value(word, 40));
+            self.remark(" type", remark.with_value(word, 40));
         }
         if let Some(mimic) = self.child(node, "mimic") {
             let problem = format!(
@@ -340,9 +343,7 @@ impl Reader<'_> {
                 excerpt(mimic.attribute("multiplier").unwrap_or("1"), 20),
                 excerpt(mimic.attribute("offset").unwrap_or("0"), 20),
             );
-            let byte = mimic.range().start;
-            let remark = Remark::new(None, byte, problem, "");
-            self.remarks.push(remark.on(self.subject.as_str()));
+            self.remark("", Remark::new(None, mimic.range().start, problem, ""));
         }
         let mut end = |which: &str| {
             let end = self.child(node, which);
@@ -377,10 +378,8 @@ impl Reader<'_> {
         }
         let Some(axis) = self.child(node, "axis") else {
             let problem = "no axis is given: x, the default of URDF";
-            let byte = node.range().start;
-            let remark = Remark::new(None, byte, problem, "");
-            self.remarks
-                .push(remark.on(format!("{} <axis>", self.subject)));
+            let remark = Remark::new(None, node.range().start, problem, "");
+            self.remark(" <axis>", remark);
             return None;
         };
         let text = axis.attribute("xyz").unwrap_or("1 0 0");
@@ -389,8 +388,7 @@ impl Reader<'_> {
         let length = (x * x + y * y + z * z).sqrt();
         let mut note = |code, problem: String, remedy: &str| {
             let remark = Remark::new(code, byte, problem, remedy).with_value(text, 60);
-            self.remarks
-                .push(remark.on(format!("{} <axis xyz>", self.subject)));
+            self.remark(" <axis xyz>", remark);
         };
         if length <= 0.0 || !length.is_finite() {
             let problem = "the axis has no direction".to_owned();
