@@ -64,7 +64,8 @@ pub fn search(
     let mut left = evaluations.saturating_sub(last);
     let starts = begun(&program, &mut rng, given.to_vec(), (&mut left, enough));
     if merit(starts.first()?) <= enough {
-        return found(starts);
+        let (reached, starts) = (starts.first()?.reached.clone(), objectives(&starts));
+        return Some(Found { reached, starts });
     }
     let (mut best, mut starts) = halved(&program, starts, &mut left)?;
     while left > HOP_POINTS + 2 * space.len() && !program.stop() && merit(&best) > enough {
@@ -119,13 +120,6 @@ fn hop(
     Some(search)
 }
 
-/// The first of the searches, and where each of them stands.
-fn found(searches: Vec<MinimaxSearch>) -> Option<Found> {
-    let starts = searches.iter().map(|s| s.reached.values.worst()).collect();
-    let reached = searches.into_iter().next()?.reached;
-    Some(Found { reached, starts })
-}
-
 /// A few steps of each search, the worse half dropped, until one is left; beside it, the objective of each after its first steps.
 fn halved(
     program: &Program,
@@ -151,7 +145,7 @@ fn halved(
         *left = left.saturating_sub(spent);
         ends.sort_by(by_merit);
         if starts.is_empty() {
-            starts = ends.iter().map(|e| e.reached.values.worst()).collect();
+            starts = objectives(&ends);
         }
         if is_last {
             break;
@@ -219,6 +213,10 @@ pub fn refine(
         search.advance(&program, &space.polytope, options(left, LAST_STEPS));
     }
     Some(search.reached)
+}
+
+fn objectives(searches: &[MinimaxSearch]) -> Vec<f64> {
+    searches.iter().map(|s| s.reached.values.worst()).collect()
 }
 
 fn merit(search: &MinimaxSearch) -> f64 {

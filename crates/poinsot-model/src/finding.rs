@@ -24,10 +24,7 @@ impl Key {
     pub fn entry(table: &str, index: usize, name: Option<&str>) -> Self {
         Self {
             path: KeyPath::default().key(table).index(index),
-            subject: match name {
-                Some(name) => format!("{table} \"{}\"", excerpt(name, 60)),
-                None => String::new(),
-            },
+            subject: subject(table, name),
         }
     }
 
@@ -51,6 +48,12 @@ impl Key {
         let subject = self.subject.clone();
         Self { path, subject }
     }
+}
+
+/// An entry of a list of tables in messages.
+pub(crate) fn subject(table: impl fmt::Display, name: Option<&str>) -> String {
+    let named = |name| format!("{table} \"{}\"", excerpt(name, 60));
+    name.map_or_else(String::new, named)
 }
 
 /// Collects findings and notes during the checks.

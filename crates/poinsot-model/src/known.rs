@@ -150,25 +150,20 @@ impl KnownNumber {
         let (wheels, thrusters) = (&mut model.wheels, &mut model.thrusters);
         let number = match self {
             Self::Mass(k) | Self::MassCentre(k) | Self::Inertia(k) => {
-                if let Some(body) = bodies.get_mut(k) {
-                    self.shift_body(&mut body.nominal, component, change);
-                }
-                None
+                let body = bodies.get_mut(k).into_iter();
+                return body.for_each(|b| self.shift_body(&mut b.nominal, component, change));
             }
             Self::WheelAxis(k) => {
                 let of = nominal.wheels.get(k).map(|w| &w.axis_B);
-                turn(wheels.get_mut(k).map(|w| &mut w.axis_B), of);
-                None
+                return turn(wheels.get_mut(k).map(|w| &mut w.axis_B), of);
             }
             Self::JointAxis(k) => {
                 let of = nominal.joints.get(k).map(|j| &j.axis_C);
-                turn(joints.get_mut(k).map(|j| &mut j.axis_C), of);
-                None
+                return turn(joints.get_mut(k).map(|j| &mut j.axis_C), of);
             }
             Self::ForceDirection(k) => {
                 let of = nominal.thrusters.get(k).map(|t| &t.direction_B);
-                turn(thrusters.get_mut(k).map(|t| &mut t.direction_B), of);
-                None
+                return turn(thrusters.get_mut(k).map(|t| &mut t.direction_B), of);
             }
             Self::SpinInertia(k) => wheels.get_mut(k).map(|w| &mut w.spin_inertia),
             Self::JointOrigin(k) => joints.get_mut(k).map(|j| &mut j.p_PoCo_P[component % 3]),

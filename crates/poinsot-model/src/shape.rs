@@ -3,9 +3,9 @@
 
 use crate::check_name::{misspelt, unknown_name};
 use crate::document::KeyPath;
-use crate::finding::{Findings, Key};
+use crate::finding::{Findings, Key, subject};
 use crate::suggest;
-use poinsot_files::{as_read, excerpt, short};
+use poinsot_files::{as_read, short};
 use serde_json::{Value as Schema, json};
 use std::collections::{HashMap, HashSet};
 use toml::Spanned;
@@ -365,7 +365,8 @@ impl Shape<'_, '_> {
         for (index, item) in items.iter().enumerate() {
             let mut here = key.index(index);
             if let Some(table) = item.get_ref().as_table() {
-                here.subject = subject_of(&key.path, table);
+                let name = table.get("name").and_then(|name| name.get_ref().as_str());
+                here.subject = subject(&key.path, name);
             }
             match self.value(inner, item, &here, scope) {
                 Some(item) => clean.push(item),
@@ -626,14 +627,6 @@ fn is_required(schema: &Schema, name: &str) -> bool {
 /// Whether a value says the same as a missing key.
 fn is_none(value: &DeValue<'_>) -> bool {
     matches!(value, DeValue::Boolean(false)) || value.as_str() == Some("none")
-}
-
-/// Name of an entry in a list of tables.
-fn subject_of(list: &KeyPath, table: &DeTable<'_>) -> String {
-    match table.get("name").and_then(|name| name.get_ref().as_str()) {
-        Some(name) => format!("{list} \"{}\"", excerpt(name, 60)),
-        None => String::new(),
-    }
 }
 
 fn type_of(schema: &Schema) -> Option<&str> {

@@ -36,7 +36,7 @@
 //!   `study.rs`: one result each; what its template shows, and its sentence.
 //! - `description.rs`: a checked case, plan or result in statements.
 //! - `live.rs`: a filter while it runs.
-//! - `verdict.rs`, `summary.rs`, `checks.rs`: the words of an answer, for terminal and page.
+//! - `verdict.rs`, `summary.rs`, `checks.rs`: the words of an answer and its causes, for terminal and page.
 //! - `page/`: the page of an estimate, one file per section. `page/results/`: pages of the other results.
 #![allow(non_snake_case)]
 

@@ -1,15 +1,18 @@
 //! Three questions about the evidence, each with a link. None is answered for a rejected model.
 
 use super::Answer;
-use crate::checks::{SIGNIFICANT, chi_square_verdict, held_out_verdict, residual_verdict};
+use crate::checks::SIGNIFICANT;
 use poinsot_figures::{Light, Tone};
 use poinsot_files::{counted, probability};
-use poinsot_formats::DiagnosticsFile;
+use poinsot_formats::{ChannelFile, DiagnosticsFile};
 
 /// Names of findings about the size of the noise, which belong to the first question.
 pub const OF_NOISE: [&str; 2] = ["noise_overstated", "noise_understated"];
 /// Name of the finding that the vehicle is not rigid.
 pub const NOT_RIGID: &str = "not_rigid";
+
+/// Sigmas of chi-square beyond which a residual is larger or smaller than declared.
+const EXCESS: f64 = 6.0;
 
 /// Tone, word, and finding.
 type Found = (Tone, &'static str, String);
@@ -49,19 +52,24 @@ pub(super) fn light(
 }
 
 fn noise(d: &DiagnosticsFile) -> Found {
-    let (tone, _) = chi_square_verdict(d);
     let chi2 = d.chi2.unwrap_or(f64::NAN);
     let found = format!("chi-square {chi2:.0} for {} expected", d.dof);
-    let worst = d
-        .channels
-        .iter()
-        .map(|(name, c)| (name, residual_verdict(c)))
-        .find(|(_, (tone, _))| *tone == Tone::Bad);
-    match (tone, worst) {
-        (Tone::Bad, _) => (Tone::Bad, "no, larger", found),
-        (_, Some((name, (_, what)))) => (Tone::Bad, "no", format!("{name}: {what}")),
-        (Tone::Fair, _) => (Tone::Fair, "smaller", found),
+    let mut channels = d.channels.iter();
+    let worst = channels.find_map(|(name, c)| Some(format!("{name}: {}", not_noise(c)?)));
+    match (d.excess_sigmas, worst) {
+        (Some(excess), _) if excess > EXCESS => (Tone::Bad, "no, larger", found),
+        (_, Some(worst)) => (Tone::Bad, "no", worst),
+        (Some(excess), _) if excess < -EXCESS => (Tone::Fair, "smaller", found),
         _ => (Tone::Good, "yes", found),
+    }
+}
+
+/// What the residual of a sensor shows that is no white noise.
+fn not_noise(c: &ChannelFile) -> Option<&'static str> {
+    match c.whiteness_p {
+        _ if c.outlier_share > 1.0e-3 && c.outliers > 1 => Some("outliers"),
+        Some(p) if p < SIGNIFICANT => Some("correlated in time"),
+        _ => None,
     }
 }
 
@@ -98,7 +106,10 @@ fn held_out(d: &DiagnosticsFile) -> Found {
     let Some(held) = &d.held_out else {
         return (Tone::Plain, "not tested", "too few samples".to_owned());
     };
-    let (tone, word) = held_out_verdict(held);
+    let (tone, word) = match held.p < SIGNIFICANT {
+        true => (Tone::Bad, "no"),
+        false => (Tone::Good, "yes"),
+    };
     let (share, p) = (100.0 * held.share, probability(held.p));
     let found = format!("last {share:.0} % of every record, p = {p}");
     (tone, word, found)
