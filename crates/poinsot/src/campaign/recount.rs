@@ -11,7 +11,7 @@ use poinsot_telemetry::{RowCells, RowColumn};
 /// # Errors
 /// They are not, or a column is missing.
 pub(super) fn check(plan: &Plan, sums: &CellSums, columns: &[RowColumn]) -> Result<(), String> {
-    let again = CellSums::of(plan, &Columns(columns).rows()?);
+    let again = CellSums::of(plan, &rows(columns)?);
     let mut methods = sums.methods.iter().zip(again.methods);
     match again.seconds == sums.seconds && methods.all(|(own, again)| own.agree_with(again)) {
         true => Ok(()),
@@ -19,96 +19,58 @@ pub(super) fn check(plan: &Plan, sums: &CellSums, columns: &[RowColumn]) -> Resu
     }
 }
 
-/// The columns of a file of rows.
-struct Columns<'c>(&'c [RowColumn]);
-
-/// A number in every row.
-struct NumberColumns<'c> {
-    name: &'c str,
-    truth: &'c [Option<f64>],
-    estimate: &'c [Option<f64>],
-    sigma: &'c [Option<f64>],
-}
-
-impl NumberColumns<'_> {
-    fn at(&self, row: usize) -> RowNumber {
-        RowNumber {
-            name: self.name.to_owned(),
-            truth: at(self.truth, row).unwrap_or(f64::NAN),
-            estimate: at(self.estimate, row),
-            sigma: at(self.sigma, row),
-            bound: None,
-        }
-    }
-}
-
-impl<'c> Columns<'c> {
-    fn rows(&self) -> Result<Vec<Row>, String> {
-        let names = self.0.iter().filter_map(|c| c.name.strip_prefix("truth."));
-        let number = |name| {
-            let of = |kind| self.number(&format!("{kind}.{name}"));
-            Ok(NumberColumns {
-                name,
-                truth: of("truth")?,
-                estimate: of("estimate")?,
-                sigma: of("sigma")?,
-            })
-        };
-        let numbers = names.map(number).collect::<Result<Vec<_>, String>>()?;
-        let RowCells::Count(trials) = self.cells("trial")? else {
-            return Err(other("trial"));
-        };
-        let (status, why) = (self.text("status")?, self.text("why")?);
-        let (seconds, iterations) = (self.number("seconds")?, self.number("iterations")?);
-        let chi2 = self.number("chi2_per_dof")?;
-        let (square, dof) = (self.number("nees")?, self.number("nees_dof")?);
-        let nees = |(square, dof): (f64, f64)| Nees {
+/// The rows of a file.
+fn rows(columns: &[RowColumn]) -> Result<Vec<Row>, String> {
+    let number = |name: &str| match cells(columns, name)? {
+        RowCells::Number(own) => Ok(move |k: usize| own.get(k).copied().flatten()),
+        _ => Err(other(name)),
+    };
+    let text = |name: &str| match cells(columns, name)? {
+        RowCells::Text(own) => Ok(own),
+        _ => Err(other(name)),
+    };
+    let RowCells::Count(trials) = cells(columns, "trial")? else {
+        return Err(other("trial"));
+    };
+    let (status, why) = (text("status")?, text("why")?);
+    let (seconds, iterations) = (number("seconds")?, number("iterations")?);
+    let chi2 = number("chi2_per_dof")?;
+    let (square, dof) = (number("nees")?, number("nees_dof")?);
+    let row = |(k, trial): (usize, &u64)| Row {
+        trial: *trial,
+        status: status.get(k).and_then(|name| Status::named(name)),
+        evidence: Vec::from_iter(why.get(k).filter(|w| !w.is_empty()).cloned()),
+        iterations: iterations(k).unwrap_or(0.0) as u64,
+        chi2_per_dof: chi2(k),
+        nees: square(k).zip(dof(k)).map(|(square, dof)| Nees {
             square,
             dof: dof as u64,
-        };
-        let row = |(k, trial): (usize, &u64)| Row {
-            trial: *trial,
-            status: status.get(k).and_then(|name| Status::named(name)),
-            evidence: why
-                .get(k)
-                .filter(|w| !w.is_empty())
-                .cloned()
-                .into_iter()
-                .collect(),
-            numbers: numbers.iter().map(|n| n.at(k)).collect(),
-            iterations: at(iterations, k).unwrap_or(0.0) as u64,
-            chi2_per_dof: at(chi2, k),
-            nees: at(square, k).zip(at(dof, k)).map(nees),
-            seconds: at(seconds, k).unwrap_or(0.0),
-            ..Row::default()
-        };
-        Ok(trials.iter().enumerate().map(row).collect())
-    }
-
-    fn cells(&self, name: &str) -> Result<&'c RowCells, String> {
-        let own = self.0.iter().find(|c| c.name == name);
-        Ok(&own.ok_or_else(|| other(name))?.cells)
-    }
-
-    fn number(&self, name: &str) -> Result<&'c [Option<f64>], String> {
-        match self.cells(name)? {
-            RowCells::Number(cells) => Ok(cells),
-            _ => Err(other(name)),
+        }),
+        seconds: seconds(k).unwrap_or(0.0),
+        ..Row::default()
+    };
+    let mut rows: Vec<Row> = trials.iter().enumerate().map(row).collect();
+    for name in columns.iter().filter_map(|c| c.name.strip_prefix("truth.")) {
+        let of = |kind: &str| number(&format!("{kind}.{name}"));
+        let (truth, estimate, sigma) = (of("truth")?, of("estimate")?, of("sigma")?);
+        for (k, row) in rows.iter_mut().enumerate() {
+            row.numbers.push(RowNumber {
+                name: name.to_owned(),
+                truth: truth(k).unwrap_or(f64::NAN),
+                estimate: estimate(k),
+                sigma: sigma(k),
+                bound: None,
+            });
         }
     }
+    Ok(rows)
+}
 
-    fn text(&self, name: &str) -> Result<&'c [String], String> {
-        match self.cells(name)? {
-            RowCells::Text(cells) => Ok(cells),
-            _ => Err(other(name)),
-        }
-    }
+fn cells<'c>(columns: &'c [RowColumn], name: &str) -> Result<&'c RowCells, String> {
+    let own = columns.iter().find(|c| c.name == name);
+    Ok(&own.ok_or_else(|| other(name))?.cells)
 }
 
 fn other(name: &str) -> String {
     format!("its rows have no such column '{name}'")
-}
-
-fn at(cells: &[Option<f64>], row: usize) -> Option<f64> {
-    cells.get(row).copied().flatten()
 }
