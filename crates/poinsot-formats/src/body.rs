@@ -52,6 +52,29 @@ pub struct MassFile<N> {
     pub inertia_kg_m2: Elements<N>,
 }
 
+impl<N> MassFile<N> {
+    /// From mass, mass centre and inertia in the order of mass properties; [`Elements::of`] has that of the inertia.
+    pub fn of([mass_kg, x, y, z, tensor @ ..]: [N; 10]) -> Self {
+        Self {
+            mass_kg,
+            com_m: Axes { x, y, z },
+            inertia_kg_m2: Elements::of(tensor),
+        }
+    }
+
+    /// Maps each number; in the order of [`Self::of`].
+    pub fn map<U>(&self, value: impl FnMut(&N) -> U) -> [U; 10] {
+        ten(&self.mass_kg, &self.com_m, &self.inertia_kg_m2).map(value)
+    }
+}
+
+/// The numbers of a body in the order of mass properties.
+fn ten<'n, N>(mass: &'n N, vector: &'n Axes<N>, tensor: &'n Elements<N>) -> [&'n N; 10] {
+    let Axes { x, y, z } = vector;
+    let [xx, xy, yy, xz, yz, zz] = tensor.map(|n| n);
+    [mass, x, y, z, xx, xy, yy, xz, yz, zz]
+}
+
 impl<N: Clone> MassFile<N> {
     /// Mass, mass centre and inertia with name and unit.
     pub fn numbers(&self) -> Vec<(String, &'static str, N)> {
@@ -74,17 +97,36 @@ fn numbers<N: Clone>(
     all
 }
 
+impl<N> BarycentricFile<N> {
+    /// From the ten parameters in their order.
+    pub fn of([m_kg, x, y, z, tensor @ ..]: [N; 10]) -> Self {
+        Self {
+            m_kg,
+            mc_kg_m: Axes { x, y, z },
+            I_BBo_kg_m2: Elements::of(tensor),
+        }
+    }
+
+    /// Maps each parameter.
+    pub fn map<U>(&self, value: impl FnMut(&N) -> U) -> [U; 10] {
+        ten(&self.m_kg, &self.mc_kg_m, &self.I_BBo_kg_m2).map(value)
+    }
+}
+
 impl BarycentricFile {
     /// How many of the ten parameters the data determine.
     pub fn determined(&self) -> usize {
-        let centre = self.mc_kg_m.named().map(|(_, n)| n);
-        let tensor = self.I_BBo_kg_m2.named().map(|(_, n)| n);
-        let all = std::iter::once(&self.m_kg).chain(centre).chain(tensor);
-        all.filter(|n| n.is_from_data()).count()
+        let determined = self.map(NumberFile::is_from_data).into_iter();
+        determined.filter(|d| *d).count()
     }
 }
 
 impl BodyFile {
+    /// Maps mass, mass centre and inertia; in the order of [`MassFile::of`].
+    pub fn map<U>(&self, value: impl FnMut(&NumberFile) -> U) -> [U; 10] {
+        ten(&self.mass_kg, &self.com_m, &self.inertia_kg_m2).map(value)
+    }
+
     /// Mass, mass centre and inertia with name and unit.
     pub fn numbers(&self) -> Vec<(String, &'static str, NumberFile)> {
         numbers(&self.mass_kg, &self.com_m, &self.inertia_kg_m2)

@@ -91,7 +91,8 @@ pub use listing::{
     StudyFile, StudyFindingsFile, UNITS, UnitFile, UnitsFile, VariantFile, WRITTEN, WrittenFile,
 };
 pub use number::{
-    Axes, Elements, NumberFile, PredictedNumberFile, TensorFile, TrueNumberFile, VectorFile, finite,
+    Axes, Elements, NumberFile, PredictedNumberFile, TensorFile, TrueNumberFile, VectorFile,
+    all_known, finite,
 };
 pub use onboard::{ONBOARD, OnboardBodyFile, OnboardFile};
 pub use plan::{

@@ -122,38 +122,36 @@ impl<T> Elements<T> {
         ]
     }
 
-    /// One value per element name.
-    pub fn by_name(mut value: impl FnMut(&'static str) -> T) -> Self {
+    /// From the elements in the order of inertial parameters: xx, xy, yy, xz, yz, zz.
+    pub fn of([xx, xy, yy, xz, yz, zz]: [T; 6]) -> Self {
         Self {
-            xx: value("xx"),
-            yy: value("yy"),
-            zz: value("zz"),
-            xy: value("xy"),
-            xz: value("xz"),
-            yz: value("yz"),
-        }
-    }
-
-    /// From the elements of a symmetric matrix by row and column, counted from zero.
-    pub fn of_matrix(mut element: impl FnMut(usize, usize) -> T) -> Self {
-        Self::by_name(|name| {
-            let [row, column] = [0, 1].map(|k| usize::from(name.as_bytes()[k] - b'x'));
-            element(row, column)
-        })
-    }
-
-    /// Maps each element; returns the rows of the symmetric matrix.
-    pub fn rows<U>(&self, mut value: impl FnMut(&T) -> U) -> [[U; 3]; 3] {
-        let Self {
             xx,
             yy,
             zz,
             xy,
             xz,
             yz,
-        } = self;
-        [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]].map(|row| row.map(&mut value))
+        }
     }
+
+    /// Maps each element; in the order of [`Self::of`].
+    pub fn map<'t, U>(&'t self, value: impl FnMut(&'t T) -> U) -> [U; 6] {
+        let Self { xx, yy, zz, .. } = self;
+        [xx, &self.xy, yy, &self.xz, &self.yz, zz].map(value)
+    }
+}
+
+/// The numbers, if none is missing.
+///
+/// ```
+/// use poinsot_formats::all_known;
+///
+/// assert_eq!(all_known([Some(1.0), Some(2.0)]), Some([1.0, 2.0]));
+/// assert_eq!(all_known([Some(1.0), None]), None);
+/// ```
+pub fn all_known<const N: usize>(numbers: [Option<f64>; N]) -> Option<[f64; N]> {
+    let all = numbers.iter().all(Option::is_some);
+    all.then(|| numbers.map(Option::unwrap_or_default))
 }
 
 /// The number, or null if infinite or NaN, which JSON cannot hold.

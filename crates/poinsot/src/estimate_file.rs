@@ -11,7 +11,7 @@ use poinsot_formats::{
 };
 use poinsot_identify::{
     BodyEstimate, Diagnostics, Estimate, Identifiability, MomentumEstimate, Number, Remark,
-    RemarkKind, SegmentFit, tensor_index,
+    RemarkKind, SegmentFit,
 };
 use poinsot_model::{JointKind, Model};
 use poinsot_telemetry::checks::Finding;
@@ -113,17 +113,12 @@ fn finite_list(list: &[f64]) -> Vec<Option<f64>> {
 }
 
 fn body(b: &BodyEstimate) -> BodyFile {
-    let [m, x, y, z, tensor @ ..] = &b.barycentric;
     BodyFile {
         mass_kg: number(&b.mass),
         com_m: Axes::of(b.com.each_ref().map(number)),
-        inertia_kg_m2: Elements::by_name(|name| number(&b.inertia[tensor_index(name)])),
+        inertia_kg_m2: Elements::of(b.inertia.each_ref().map(number)),
         principal: b.principal.clone(),
-        barycentric: BarycentricFile {
-            m_kg: number(m),
-            mc_kg_m: Axes::of([x, y, z].map(number)),
-            I_BBo_kg_m2: Elements::by_name(|name| number(&tensor[tensor_index(name)])),
-        },
+        barycentric: BarycentricFile::of(b.barycentric.each_ref().map(number)),
         physically_consistent: b.physically_consistent,
     }
 }

@@ -11,17 +11,10 @@ pub(crate) fn names(body: &str) -> [String; 10] {
 
 /// The nominal numbers, with those that an answer determines.
 pub(crate) fn with_answer(body: &Body, answer: Option<&EstimateFile>) -> MassProperties {
-    let mut all = body.nominal.to_array();
     let found = answer.and_then(|a| a.bodies.get(&body.name));
     let Some(found) = found else {
         return body.nominal;
     };
-    let addresses = names(&body.name);
-    for (address, _, number) in found.addressed(&body.name) {
-        let at = addresses.iter().position(|a| *a == address);
-        if let (Some(at), Some(value)) = (at, number.value) {
-            all[at] = value;
-        }
-    }
-    MassProperties::from_array(&all)
+    let (nominal, found) = (body.nominal.to_array(), found.map(|n| n.value));
+    MassProperties::from_array(&std::array::from_fn(|k| found[k].unwrap_or(nominal[k])))
 }

@@ -7,7 +7,7 @@ use crate::export::reliable;
 use crate::mass_numbers::{names, with_answer};
 use nalgebra::{DMatrix, SymmetricEigen};
 use poinsot_files::Place;
-use poinsot_formats::{EstimateFile, address, read_estimate};
+use poinsot_formats::{EstimateFile, NumberFile, address, read_estimate};
 use poinsot_model::{Model, Posterior, PosteriorKnown};
 use std::path::Path;
 
@@ -91,14 +91,10 @@ fn same_unknowns(model: &Model, answer: &EstimateFile, path: &Path) -> Result<()
         let Some(found) = answer.bodies.get(&body.name) else {
             return refuse(format!("it has no body \"{}\"", body.name));
         };
-        let numbers = found.addressed(&body.name);
+        let known = found.map(NumberFile::is_known);
         for (k, name) in names(&body.name).iter().enumerate() {
-            let (unknown, own) = (body.estimate.has(k), |n: &&(String, _, _)| n.0 == *name);
-            if numbers
-                .iter()
-                .find(own)
-                .is_some_and(|n| n.2.is_known() == unknown)
-            {
+            let unknown = body.estimate.has(k);
+            if known[k] == unknown {
                 let (here, there) = (word(unknown), word(!unknown));
                 return refuse(format!(
                     "{name} is {here} in the model and {there} in the answer"

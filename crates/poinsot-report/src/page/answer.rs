@@ -62,6 +62,8 @@ fn matrix(b: &BodyFile) -> Vec<Value> {
         };
         context! { class, number => n }
     };
-    let rows = ["x", "y", "z"].into_iter().zip(b.inertia_kg_m2.rows(cell));
+    let [xx, xy, yy, xz, yz, zz] = b.inertia_kg_m2.map(cell);
+    let rows = [[&xx, &xy, &xz], [&xy, &yy, &yz], [&xz, &yz, &zz]];
+    let rows = ["x", "y", "z"].into_iter().zip(rows);
     rows.map(|(axis, cells)| context! { axis, cells }).collect()
 }

@@ -10,12 +10,12 @@ mod table;
 use crate::error::{Error, unknown};
 use crate::onboard::OnBoard;
 use minijinja::{Environment, Value};
-use poinsot_formats::{Address, BodyFile, EstimateFile, read_estimate};
+use poinsot_formats::{Address, BodyFile, EstimateFile, all_known, read_estimate};
 use poinsot_model::{
     BodyProperties, Measured, PartNumber, Patch, parse_urdf, patch_mjcf, patch_model, patch_sdf,
     patch_urdf, read_model, read_model_text,
 };
-use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+use poinsot_spatial::{MassProperties, Matrix3};
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::str::FromStr;
@@ -418,16 +418,11 @@ fn marked(source: &Source, to: Target, text: String) -> String {
 }
 
 fn properties(body: &BodyFile) -> Option<MassProperties> {
-    let [x, y, z] = body.com_m.map(|n| n.value);
-    Some(MassProperties {
-        mass: body.mass_kg.value?,
-        p_BoBcm_B: Vector3::new(x?, y?, z?),
-        I_BBcm_B: tensor(body)?,
-    })
+    let numbers = all_known(body.map(|n| n.value))?;
+    Some(MassProperties::from_array(&numbers))
 }
 
 fn tensor(body: &BodyFile) -> Option<Matrix3> {
-    let rows = body.inertia_kg_m2.rows(|n| n.value);
-    let known: Option<Vec<f64>> = rows.iter().flatten().copied().collect();
-    Some(Matrix3::from_row_slice(&known?))
+    let elements = all_known(body.inertia_kg_m2.map(|n| n.value));
+    elements.map(poinsot_spatial::tensor)
 }

@@ -2,10 +2,8 @@
 
 use super::Prediction;
 use crate::estimate_file::{covariance, identifiability, known_numbers, reference};
-use poinsot_formats::{
-    Axes, Elements, MassFile, PREDICTION, PredictedNumberFile, PredictionFile, address, finite,
-};
-use poinsot_identify::{BodyEstimate, Number, tensor_index};
+use poinsot_formats::{MassFile, PREDICTION, PredictedNumberFile, PredictionFile, address, finite};
+use poinsot_identify::{BodyEstimate, Number};
 use poinsot_report::prediction_sentence;
 
 /// The prediction as a file: sigma and source of every number; null if not identifiable.
@@ -53,11 +51,7 @@ pub fn prediction_file(prediction: &Prediction) -> PredictionFile {
 }
 
 fn body(b: &BodyEstimate) -> MassFile<PredictedNumberFile> {
-    MassFile {
-        mass_kg: number(&b.mass),
-        com_m: Axes::of(b.com.each_ref().map(number)),
-        inertia_kg_m2: Elements::by_name(|name| number(&b.inertia[tensor_index(name)])),
-    }
+    MassFile::of(b.numbers().each_ref().map(number))
 }
 
 fn number(n: &Number) -> PredictedNumberFile {

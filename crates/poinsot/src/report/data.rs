@@ -6,11 +6,10 @@ use crate::simulate::true_mass;
 use indexmap::IndexMap;
 use poinsot_dynamics::{Kinematics, Tree, composite};
 use poinsot_formats::{
-    MassFile, REPORT_DATA, ReportData, Segment, TrueBodyFile, TrueNumberFile, TrueNumbers,
-    TruthFile, Vehicle, read_truth,
+    REPORT_DATA, ReportData, Segment, TrueBodyFile, TrueNumbers, TruthFile, Vehicle, read_truth,
 };
 use poinsot_identify::{BodyEstimate, Prediction};
-use poinsot_spatial::{MassProperties, Matrix3};
+use poinsot_spatial::MassProperties;
 use poinsot_telemetry::Source;
 use std::path::Path;
 
@@ -99,18 +98,12 @@ fn true_system(
     }
     let kinematics = Kinematics::at(&tree, position);
     let model = identified.model.bodies.iter();
-    let parameters = model.map(|b| Some(properties(&bodies.get(&b.name)?.mass).parameters()));
+    let parameters = model.map(|b| {
+        let numbers = bodies.get(&b.name)?.mass.map(|n| n.value);
+        Some(MassProperties::from_array(&numbers).parameters())
+    });
     let whole = composite(&parameters.collect::<Option<Vec<_>>>()?, &kinematics);
     (whole.mass > 0.0).then(|| TrueBodyFile::of(true_mass(&whole.mass_properties())))
-}
-
-fn properties(truth: &MassFile<TrueNumberFile>) -> MassProperties {
-    let rows = truth.inertia_kg_m2.rows(|n| n.value);
-    MassProperties {
-        mass: truth.mass_kg.value,
-        p_BoBcm_B: truth.com_m.map(|n| n.value).into(),
-        I_BBcm_B: Matrix3::from_fn(|i, j| rows[i][j]),
-    }
 }
 
 fn vehicle(identified: &Identified) -> Vehicle {

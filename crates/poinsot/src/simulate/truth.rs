@@ -9,13 +9,13 @@ use indexmap::IndexMap;
 use poinsot_dynamics::propagation::ModeNumber;
 use poinsot_dynamics::{MotionSample, WheelUse, composite};
 use poinsot_formats::{
-    Axes, BarycentricFile, Elements, InitialFile, JointStateFile, MassFile, MomentumFile,
-    PrincipalFile, TRUTH, TrueBodyFile, TrueNumberFile, TrueRunFile, TrueSensorFile, TruthFile,
-    WheelUseFile, address,
+    Axes, BarycentricFile, InitialFile, JointStateFile, MassFile, MomentumFile, PrincipalFile,
+    TRUTH, TrueBodyFile, TrueNumberFile, TrueRunFile, TrueSensorFile, TruthFile, WheelUseFile,
+    address,
 };
 use poinsot_identify::ErrorGroup;
 use poinsot_model::{ErrorKey, Joint, JointKind, Model, Sensor, SensorKind};
-use poinsot_spatial::{InertialParameters, MassProperties, Matrix3, UnitQuaternion, Vector3};
+use poinsot_spatial::{MassProperties, UnitQuaternion, Vector3};
 
 /// Input of a truth file.
 pub(super) struct Drawn<'a> {
@@ -158,37 +158,21 @@ fn axes(v: &Vector3) -> Axes<TrueNumberFile> {
     Axes::of([v.x, v.y, v.z].map(number))
 }
 
-fn tensor(i: &Matrix3) -> Elements<TrueNumberFile> {
-    Elements::of_matrix(|r, c| number(i[(r, c)]))
-}
-
 pub(crate) fn mass(p: &MassProperties) -> MassFile<TrueNumberFile> {
-    MassFile {
-        mass_kg: number(p.mass),
-        com_m: axes(&p.p_BoBcm_B),
-        inertia_kg_m2: tensor(&p.I_BBcm_B),
-    }
+    MassFile::of(p.to_array().map(number))
 }
 
 fn body(properties: &MassProperties) -> TrueBodyFile {
     let (moments_kg_m2, axes_of) = properties.principal();
     let axes_of = nalgebra::Rotation3::from_matrix_unchecked(axes_of);
     let q = UnitQuaternion::from_rotation_matrix(&axes_of).coords;
-    let InertialParameters {
-        mass: m,
-        mc_B,
-        I_BBo_B,
-    } = properties.parameters();
+    let parameters = properties.parameters().to_array();
     TrueBodyFile {
         principal: Some(PrincipalFile {
             moments_kg_m2,
             axes_xyzw: [q.x, q.y, q.z, q.w],
         }),
-        barycentric: Some(BarycentricFile {
-            m_kg: number(m),
-            mc_kg_m: axes(&mc_B),
-            I_BBo_kg_m2: tensor(&I_BBo_B),
-        }),
+        barycentric: Some(BarycentricFile::of(parameters.map(number))),
         physically_consistent: Some(properties.check_physical(1e-9).is_ok()),
         ..TrueBodyFile::of(mass(properties))
     }

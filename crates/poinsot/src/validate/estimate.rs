@@ -5,10 +5,12 @@ use crate::error::{Error, cannot_simulate};
 use poinsot_dynamics::Tree;
 use poinsot_dynamics::propagation::ModeNumber;
 use poinsot_files::Place;
-use poinsot_formats::{Address, BarycentricFile, EstimateFile, NumberFile, address, unknown_name};
+use poinsot_formats::{
+    Address, BarycentricFile, EstimateFile, NumberFile, address, all_known, unknown_name,
+};
 use poinsot_identify::{CompletedVehicle, Completion, DeterminedCombination, complete};
 use poinsot_model::{FlexibleMode, Mode, ModeEstimate, Model, SpringNumber};
-use poinsot_spatial::{InertialParameters, Matrix3, Vector3};
+use poinsot_spatial::InertialParameters;
 use std::path::{Path, PathBuf};
 
 /// Relative tolerance between nominal numbers of model and estimate.
@@ -223,12 +225,5 @@ fn completed(
 }
 
 fn ten(b: &BarycentricFile, of: impl Fn(&NumberFile) -> Option<f64>) -> Option<InertialParameters> {
-    let [x, y, z] = b.mc_kg_m.map(&of);
-    let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = b.I_BBo_kg_m2.rows(&of);
-    let (xy, xz, yz) = (xy?, xz?, yz?);
-    Some(InertialParameters {
-        mass: of(&b.m_kg)?,
-        mc_B: Vector3::new(x?, y?, z?),
-        I_BBo_B: Matrix3::new(xx?, xy, xz, xy, yy?, yz, xz, yz, zz?),
-    })
+    all_known(b.map(of)).map(|numbers| InertialParameters::from_array(&numbers))
 }
