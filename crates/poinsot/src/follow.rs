@@ -4,7 +4,7 @@ use crate::bind::RELATIVE_ACCURACY;
 use crate::channel_names;
 use crate::error::{Error, check_accuracy};
 use crate::identify::{mapped, read_options};
-use crate::onboard::{Estimated, OnBoard};
+use crate::onboard::{FollowedNumber, OnBoard};
 use poinsot_model::{Model, SensorKind, read_model};
 use poinsot_onboard::{GroundFilter, Health, Sample, SensorCounts};
 use poinsot_telemetry::{Part, ReadOptions, read_parts};
@@ -14,8 +14,6 @@ use std::path::{Path, PathBuf};
 /// Longest gap in steps of the first two samples, and at least in seconds.
 const GAP: f64 = 5.0;
 const GAP_S: f64 = 0.5;
-/// Half-width of a 95 % interval, sigmas.
-const INTERVAL: f64 = 1.96;
 /// Power of time with which a sigma must fall, at least, so that a time to reach another one is said.
 const FALLS: f64 = 0.05;
 /// Most lines whose sigmas are kept for that; then every second one.
@@ -32,21 +30,6 @@ pub struct Followed {
     pub numbers: Vec<FollowedNumber>,
     /// Measurements of gyro, attitude and position that were used and left out.
     pub counts: [SensorCounts; 3],
-}
-
-/// A number while it is followed.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FollowedNumber {
-    /// Its address, `bus.inertia_kg_m2.xx`.
-    pub address: String,
-    /// Its value in SI, if it is determined.
-    pub value: Option<f64>,
-    /// One sigma.
-    pub sigma: f64,
-    /// The sigma that is wanted.
-    pub wanted_sigma: f64,
-    /// When it was reached, or will be at this rate, s of the record; `None` where sigma does not fall.
-    pub reached_at_s: Option<f64>,
 }
 
 impl Followed {
@@ -317,26 +300,19 @@ impl Follower {
     fn known(&mut self, time_s: f64) -> Option<Followed> {
         let filter = self.filter.as_ref()?;
         let answer = filter.answer(time_s);
-        let numbers = self.on_board.numbers(&self.model, &answer);
+        let board = &self.on_board;
+        let mut numbers = board.numbers(&self.model, &answer, self.accuracy);
         self.courses.resize(numbers.len(), Course::default());
-        let (elapsed_s, accuracy, first) = (time_s - self.first, self.accuracy, self.first);
-        let number = |(of, course): (Estimated, &mut Course)| {
-            let wanted = accuracy * of.unit / INTERVAL;
-            let reached = course.reaches(elapsed_s, of.sigma, wanted);
-            course.take(elapsed_s, of.sigma);
-            FollowedNumber {
-                address: of.address,
-                value: of.value,
-                sigma: of.sigma,
-                wanted_sigma: wanted,
-                reached_at_s: reached.map(|s| first + s),
-            }
-        };
-        let pairs = numbers.into_iter().zip(&mut self.courses);
+        let elapsed_s = time_s - self.first;
+        for (number, course) in numbers.iter_mut().zip(&mut self.courses) {
+            let reached = course.reaches(elapsed_s, number.sigma, number.wanted_sigma);
+            course.take(elapsed_s, number.sigma);
+            number.reached_at_s = reached.map(|s| self.first + s);
+        }
         Some(Followed {
             time_s,
             health: answer.health,
-            numbers: pairs.map(number).collect(),
+            numbers,
             counts: filter.counts(),
         })
     }

@@ -143,7 +143,7 @@ mod written;
 pub use draft::Draft;
 pub use error::{Error, ErrorKind, Fault};
 pub use estimate_file::estimate_file;
-pub use follow::{Followed, FollowedNumber, Follower};
+pub use follow::{Followed, Follower};
 pub use guard::{guarded, panic_error};
 #[doc(hidden)]
 pub use identify::{Gated, gated};
@@ -154,6 +154,7 @@ pub use identify::{
 pub use import::import;
 pub use init::init;
 pub use mode_table::{ModeTable, import_modes};
+pub use onboard::FollowedNumber;
 pub use output::{estimate_text, result_files, write_estimate, write_result};
 pub use poinsot_formats::EstimateFile;
 pub use poinsot_identify::{Coordinates, Modes};

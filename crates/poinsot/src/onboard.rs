@@ -22,6 +22,8 @@ const KNOWN: f64 = 1.0e-6;
 const BIAS: f64 = 0.017;
 /// Steps of the differences of the ten parameters, in natural units: they are polynomials of third order.
 const STEP: f64 = 1.0e-4;
+/// Half-width of a 95 % interval, sigmas.
+const INTERVAL: f64 = 1.96;
 
 type TenByTen = SMatrix<f64, 10, 10>;
 
@@ -39,17 +41,19 @@ pub struct OnBoard {
     moving: Vec<usize>,
 }
 
-/// A number of the unknown body.
+/// A number of the unknown body while it is followed.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Estimated {
+pub struct FollowedNumber {
     /// Its address, `bus.inertia_kg_m2.xx`.
     pub address: String,
     /// Its value in SI, if it is determined.
     pub value: Option<f64>,
     /// One sigma.
     pub sigma: f64,
-    /// Its natural unit: `m`, `L` or `m L^2` of the body with the radius of gyration `L`.
-    pub unit: f64,
+    /// The sigma that is wanted.
+    pub wanted_sigma: f64,
+    /// When it was reached, or will be at this rate, s of the record; `None` where sigma does not fall.
+    pub reached_at_s: Option<f64>,
 }
 
 impl OnBoard {
@@ -121,8 +125,9 @@ impl OnBoard {
         })
     }
 
-    /// Each unknown number of an answer: mass, mass centre, central inertia.
-    pub fn numbers(&self, model: &Model, answer: &Answer) -> Vec<Estimated> {
+    /// Each unknown number of an answer: mass, mass centre, central inertia. Their wanted intervals are `accuracy` of the
+    /// natural units `m`, `L` and `m L^2` of the body with the radius of gyration `L`.
+    pub fn numbers(&self, model: &Model, answer: &Answer, accuracy: f64) -> Vec<FollowedNumber> {
         let Some((body, of)) = model.bodies.get(self.body).zip(central(answer)) else {
             return Vec::new();
         };
@@ -148,11 +153,12 @@ impl OnBoard {
             _ => determined,
         };
         let all = (0..10).filter(|k| body.estimate.has(*k));
-        let number = |k: usize| Estimated {
+        let number = |k: usize| FollowedNumber {
             address: addresses[k].clone(),
             value: Some(at[k]).filter(|_| own(k)),
             sigma: covariance[(k, k)].max(0.0).sqrt(),
-            unit: units[k],
+            wanted_sigma: accuracy * units[k] / INTERVAL,
+            reached_at_s: None,
         };
         all.map(number).collect()
     }

@@ -104,17 +104,19 @@ pub fn validate(request: &ValidateRequest) -> Result<Validation, Error> {
     };
     let model = mapped(read_model(&path)?, request.map.as_deref())?;
     let estimate = request.estimate.as_deref();
-    let estimated = estimate
-        .map(|path| read_estimate(path, &model))
-        .transpose()?;
-    let own = || Mover::of_model(model.clone());
-    let mover = estimated.as_ref().map_or_else(own, |e| e.mover.clone());
-    let completion = estimated.as_ref().and_then(|e| e.completion.as_ref());
+    let estimate = estimate.map(read_estimate).transpose()?;
+    let vehicle = estimate
+        .as_ref()
+        .map(|(path, read)| of_estimate(read, &model, path));
+    let (mover, completion) = match vehicle.transpose()? {
+        Some(vehicle) => (vehicle.mover, vehicle.completion),
+        None => (Mover::of_model(model.clone()), None),
+    };
     let asked = Asked {
         request,
         mover: &mover,
         model: &model,
-        completion,
+        completion: completion.as_ref(),
     };
     let mut validation = match (
         &case,
@@ -131,17 +133,18 @@ pub fn validate(request: &ValidateRequest) -> Result<Validation, Error> {
     let file = &mut validation.file;
     file.model = path.display().to_string();
     file.case = case.map(|case| case.path().display().to_string());
-    if let (Some(path), Some(estimated)) = (&request.estimate, &estimated) {
-        file.estimate = Some(EstimateRefFile {
-            path: path.display().to_string(),
-            status: estimated.status.clone(),
-            covariance_trustworthy: estimated.trustworthy,
-        });
-        if !estimated.trustworthy {
+    if let (Some(path), Some((_, estimate))) = (&request.estimate, estimate) {
+        if !estimate.covariance_trustworthy {
             let warning = "the covariance of the estimate is not trustworthy; see its warnings";
             file.warnings.push(warning.to_owned());
         }
-        file.warnings.extend(estimated.unchecked.clone());
+        let unchecked = estimate.unchecked();
+        file.warnings.extend(unchecked.map(str::to_owned));
+        file.estimate = Some(EstimateRefFile {
+            path: path.display().to_string(),
+            covariance_trustworthy: estimate.covariance_trustworthy,
+            status: estimate.status,
+        });
     }
     Ok(validation)
 }

@@ -23,35 +23,25 @@ pub struct EstimatedVehicle {
     pub mover: Mover,
     /// Completion of undetermined numbers; `None` if all are determined.
     pub completion: Option<Completion>,
-    /// Status of the estimate.
-    pub status: String,
-    /// Whether its covariance is reliable.
-    pub trustworthy: bool,
-    /// The warning that its file has no checksum.
-    pub unchecked: Option<String>,
 }
 
-/// Reads `estimate.json` (or its folder) as a vehicle; `model` is the model of the identification.
+/// Reads `estimate.json` (or its folder) to simulate its vehicle; also its path.
 ///
 /// # Errors
-/// The file cannot be read, belongs to another model, or has no determined numbers.
+/// The file cannot be read, or is no estimate.
 ///
 /// ```
 #[doc = include_str!("../../doc/answer.txt")]
 /// # let out = std::env::temp_dir().join(format!("poinsot-vehicle-{}", std::process::id()));
 /// write_estimate(&out, &identified)?;
-/// let vehicle = validate::read_estimate(&out, &model)?;
+/// let (path, read) = validate::read_estimate(&out)?;
+/// let vehicle = validate::of_estimate(&read, &model, &path)?;
 /// // Every number is determined: nothing was completed.
-/// assert!(vehicle.trustworthy && vehicle.completion.is_none());
+/// assert!(read.covariance_trustworthy && vehicle.completion.is_none());
 /// # std::fs::remove_dir_all(&out)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn read_estimate(path: &Path, model: &Model) -> Result<EstimatedVehicle, Error> {
-    let (path, read) = estimate_of(path)?;
-    of_estimate(&read, model, &path)
-}
-
-fn estimate_of(path: &Path) -> Result<(PathBuf, EstimateFile), Error> {
+pub fn read_estimate(path: &Path) -> Result<(PathBuf, EstimateFile), Error> {
     // A file that is no estimate is a fault of the comparison (E0701), not of a report.
     poinsot_formats::read_estimate(path).map_err(|mut faults| {
         for fault in faults.list.iter_mut().filter(|f| f.code == "E0601") {
@@ -66,10 +56,10 @@ fn estimate_of(path: &Path) -> Result<(PathBuf, EstimateFile), Error> {
     })
 }
 
-/// Converts an estimate in memory; errors name it `path`.
+/// The vehicle of an estimate; `model` is the model of the identification, and errors name the estimate `path`.
 ///
 /// # Errors
-/// As [`read_estimate`].
+/// The estimate belongs to another model, or has no determined numbers.
 ///
 /// ```
 #[doc = include_str!("../../doc/answer.txt")]
@@ -97,9 +87,6 @@ pub fn of_estimate(
     Ok(EstimatedVehicle {
         mover: Mover::of_estimate(model, &vehicle),
         completion,
-        status: read.status.clone(),
-        trustworthy: read.covariance_trustworthy,
-        unchecked: read.unchecked().map(str::to_owned),
     })
 }
 
