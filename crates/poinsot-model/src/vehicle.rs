@@ -427,6 +427,12 @@ impl Model {
         self.joints.iter().position(|j| j.name == name)
     }
 
+    /// The joints that move, in the order of their coordinates.
+    pub fn moving_joints(&self) -> impl Iterator<Item = &Joint> {
+        let joints = self.joints.iter();
+        joints.filter(|j| j.kind != JointKind::Fixed)
+    }
+
     /// The ten nominal parameters of each body.
     pub fn nominal_parameters(&self) -> Vec<InertialParameters> {
         self.bodies.iter().map(|b| b.nominal.parameters()).collect()

@@ -4,8 +4,7 @@ use crate::fault::Fault;
 use crate::value::to_toml;
 use poinsot_dynamics::Tree;
 use poinsot_model::{
-    Joint, JointKind, Model, describe, parse_model, read_model, read_telemetry_map, read_urdf,
-    write_model,
+    Joint, Model, describe, parse_model, read_model, read_telemetry_map, read_urdf, write_model,
 };
 use poinsot_spatial::InertialParameters;
 use pyo3::prelude::*;
@@ -45,11 +44,6 @@ impl CoreModel {
             file: Some(path),
             ..model.into()
         }
-    }
-
-    fn moving(&self) -> impl Iterator<Item = &Joint> {
-        let joints = self.model.joints.iter();
-        joints.filter(|j| j.kind != JointKind::Fixed)
     }
 }
 
@@ -124,17 +118,15 @@ impl CoreModel {
     /// Names of the joint coordinates, in the order of `q`.
     #[getter]
     fn coordinates(&self) -> Vec<&str> {
-        self.moving().map(|j| j.name.as_str()).collect()
+        let joints = self.model.moving_joints();
+        joints.map(|j| j.name.as_str()).collect()
     }
 
     /// Units of the joint coordinates.
     #[getter]
     fn coordinate_units(&self) -> Vec<&str> {
-        let unit = |j: &Joint| match j.kind {
-            JointKind::Prismatic => "m",
-            _ => "rad",
-        };
-        self.moving().map(unit).collect()
+        let unit = |j: &Joint| if j.slides() { "m" } else { "rad" };
+        self.model.moving_joints().map(unit).collect()
     }
 
     #[getter]

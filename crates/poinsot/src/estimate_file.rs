@@ -13,7 +13,7 @@ use poinsot_identify::{
     BodyEstimate, Diagnostics, Estimate, Identifiability, MomentumEstimate, Number, Remark,
     RemarkKind, SegmentFit,
 };
-use poinsot_model::{JointKind, Model};
+use poinsot_model::Model;
 use poinsot_telemetry::checks::Finding;
 
 /// The estimate as result file.
@@ -136,9 +136,8 @@ fn system(identified: &Identified) -> Vec<SystemFile> {
     let Some((whole, at)) = &identified.estimate.system else {
         return Vec::new();
     };
-    let joints = identified.model.joints.iter();
-    let moving = joints.filter(|j| j.kind != JointKind::Fixed);
-    let joint_positions = moving.zip(at).map(|(j, q)| (position(j), *q));
+    let joints = identified.model.moving_joints().zip(at);
+    let joint_positions = joints.map(|(j, q)| (position(j), *q));
     vec![SystemFile {
         body: body(whole),
         joint_positions: joint_positions.collect(),

@@ -11,7 +11,6 @@ use crate::error::Error;
 use crate::simulate::simulate_exact_watched;
 use crate::written::{OutputFile, write_files};
 use placed::nominal;
-use poinsot_dynamics::Tree;
 use poinsot_figures::{Figure, FigureFormat, Page, PageError};
 use poinsot_files::read;
 use poinsot_formats::{LARGEST_RESULT, Vehicle, parse_estimate, sha256};
@@ -138,10 +137,9 @@ fn flown(folder: &Path) -> Option<Flown> {
     let case = read_case(&folder.join("case.toml")).ok()?;
     let model = read_model(&case.model).ok()?;
     let scenario = case.bind(&model).ok()?;
-    let coordinates = Tree::new(&model).coordinates;
-    let names = coordinates.iter().map(|k| model.joints[*k].name.clone());
+    let joints = model.moving_joints();
     let mut motion = Motion {
-        joints: names.map(|name| (name, Vec::new())).collect(),
+        joints: joints.map(|j| (j.name.clone(), Vec::new())).collect(),
         ..Motion::default()
     };
     let mut first: Option<(UnitQuaternion, Vehicle)> = None;

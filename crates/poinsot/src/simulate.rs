@@ -20,7 +20,6 @@ use poinsot_telemetry::{GROUP, Mounting, Table, mount, write_pieces};
 use record::Recorder;
 pub(crate) use record::joint_channels;
 use std::path::{Path, PathBuf};
-use truth::Drawn;
 pub(crate) use truth::{mass as true_mass, scalar_errors};
 
 /// Samples between two progress reports.
@@ -90,7 +89,7 @@ pub fn simulate(case_path: &Path, out: &Path) -> Result<Written, Error> {
     // Before the first row it has names alone.
     let first = recorder.drain(&scenario).channels;
     let mut file = write_pieces(&mut stage, Path::new(name), &first, |writer| {
-        let truth = recorded_trial(&case, &model, &scenario, &mut recorder, 0, |recorder| {
+        let truth = recorded_trial(&case, &model, &scenario, &mut recorder, |recorder| {
             if recorder.rows() < GROUP {
                 return Ok(());
             }
@@ -151,7 +150,7 @@ pub fn simulate_trial(case: &Case, model: &Model, trial: u64) -> Result<Simulati
     let scenario = case.bind(model)?;
     case.check_memory(model, scenario.times.count(), SIMULATED)?;
     let mut recorder = Recorder::new(model, &scenario, &Tree::new(model), case.seed, trial);
-    let truth = recorded_trial(case, model, &scenario, &mut recorder, trial, |_| Ok(()))?;
+    let truth = recorded_trial(case, model, &scenario, &mut recorder, |_| Ok(()))?;
     let table = recorder.drain(&scenario);
     Ok(Simulation { table, truth })
 }
@@ -162,28 +161,17 @@ fn recorded_trial(
     model: &Model,
     scenario: &Scenario,
     recorder: &mut Recorder,
-    trial: u64,
     mut kept: impl FnMut(&mut Recorder) -> Result<(), Error>,
 ) -> Result<TruthFile, Error> {
-    let (mut first, mut taken, mut failed) = (None, 0, None);
+    let (mut taken, mut failed) = (0, None);
     let used = run(case, model, None, scenario, |sample| {
-        first.get_or_insert_with(|| sample.clone());
         recorder.take(sample);
         report(&mut taken, scenario.times.count());
         failed = kept(recorder).err();
         failed.is_none()
     })?;
     failed.map_or(Ok(()), Err)?;
-    let drawn = Drawn {
-        case,
-        model,
-        scenario,
-        first: first.as_ref(),
-        recorder,
-        trial,
-        used: &used,
-    };
-    Ok(drawn.truth())
+    Ok(truth::truth(case, model, recorder, &used))
 }
 
 /// Ideal measurements.
@@ -407,9 +395,4 @@ pub(crate) fn is_read(model: &Model, joint: &Joint) -> bool {
 /// One random stream per sensor and trial.
 pub(crate) fn stream(trial: u64, sensor: usize) -> u64 {
     (trial << 16) | (sensor as u64 & 0xffff)
-}
-
-/// Rows of the scenario per sample of a sensor.
-fn every(scenario: &Scenario, sensor: usize) -> usize {
-    scenario.sensors.get(sensor).map_or(1, |s| s.every)
 }

@@ -2,7 +2,7 @@
 
 use crate::case::Scenario;
 use crate::channel_names::joint_unit;
-use poinsot_dynamics::{MotionSample, Tree};
+use poinsot_dynamics::MotionSample;
 use poinsot_formats::PeakFile;
 use poinsot_model::Model;
 use poinsot_spatial::UnitQuaternion;
@@ -45,8 +45,7 @@ impl Peaks {
             ("body rate".to_owned(), "rad/s".to_owned()),
             ("turn from the first attitude".to_owned(), "rad".to_owned()),
         ];
-        for k in Tree::new(model).coordinates {
-            let joint = &model.joints[k];
+        for joint in model.moving_joints() {
             let unit = joint_unit(joint);
             let own = [
                 ("position", unit.to_owned()),

@@ -1,6 +1,6 @@
 //! Converts samples of the motion to telemetry channels.
 
-use super::{every, stream};
+use super::stream;
 use crate::case::Scenario;
 use crate::channel_names::{XYZ, names, of_all, position, wheel_torques, wheels};
 use poinsot_dynamics::{
@@ -49,6 +49,9 @@ pub(super) struct Recorder {
     before: Option<f64>,
     times: Vec<f64>,
     reading: Vec<f64>,
+    pub trial: u64,
+    /// The first instant; `None` before it.
+    pub first: Option<MotionSample>,
 }
 
 impl Recorder {
@@ -56,9 +59,9 @@ impl Recorder {
     pub fn new(model: &Model, scenario: &Scenario, tree: &Tree, seed: u64, trial: u64) -> Self {
         let mut groups = Vec::new();
         for (i, sensor) in model.sensors.iter().enumerate() {
-            let bias = scenario.sensors.get(i).and_then(|s| s.bias.as_deref());
-            let mut instrument = Instrument::new(sensor, tree, seed, stream(trial, i), bias);
             let given = scenario.sensors.get(i);
+            let bias = given.and_then(|s| s.bias.as_deref());
+            let mut instrument = Instrument::new(sensor, tree, seed, stream(trial, i), bias);
             for (error, value) in given.map_or(&[][..], |s| &s.errors) {
                 instrument.set_error(*error, *value);
             }
@@ -68,7 +71,8 @@ impl Recorder {
             let reader = Reader::Sensor(Box::new(instrument));
             let names = names(model, sensor.kind, &sensor.of);
             let own = Some(sensor.name.clone());
-            let mut group = Group::new(own, names, every(scenario, i), reader);
+            let every = given.map_or(1, |s| s.every);
+            let mut group = Group::new(own, names, every, reader);
             if sensor.kind == SensorKind::VelocityIncrement {
                 group.first = group.every;
             }
@@ -95,11 +99,14 @@ impl Recorder {
             before: None,
             times: Vec::new(),
             reading: Vec::new(),
+            trial,
+            first: None,
         }
     }
 
     /// Adds a row.
     pub fn take(&mut self, sample: &MotionSample) {
+        self.first.get_or_insert_with(|| sample.clone());
         for group in &mut self.groups {
             if !self.row.is_multiple_of(group.every) {
                 continue;
@@ -117,6 +124,11 @@ impl Recorder {
         }
         self.row += 1;
         self.times.push(sample.time);
+    }
+
+    /// Rows per sample of a sensor.
+    pub fn every(&self, sensor: usize) -> usize {
+        self.groups.get(sensor).map_or(1, |group| group.every)
     }
 
     /// Rows of the piece.

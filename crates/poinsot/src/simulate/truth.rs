@@ -1,8 +1,8 @@
 //! `truth.json`: the true values for an identification.
 
 use super::record::Recorder;
-use super::{every, stream};
-use crate::case::{Case, Scenario};
+use super::stream;
+use crate::case::Case;
 use crate::channel_names::position;
 use crate::estimate_file::reference;
 use indexmap::IndexMap;
@@ -14,116 +14,107 @@ use poinsot_formats::{
     address,
 };
 use poinsot_identify::ErrorGroup;
-use poinsot_model::{ErrorKey, Joint, JointKind, Model, Sensor, SensorKind};
+use poinsot_model::{ErrorKey, JointKind, Model, Sensor, SensorKind};
 use poinsot_spatial::{MassProperties, UnitQuaternion, Vector3};
 
-/// Input of a truth file.
-pub(super) struct Drawn<'a> {
-    pub case: &'a Case,
-    pub model: &'a Model,
-    pub scenario: &'a Scenario,
-    /// The first instant; `None` without samples.
-    pub first: Option<&'a MotionSample>,
-    pub recorder: &'a Recorder,
-    pub trial: u64,
-    /// Use of the wheels by a controller; empty without one.
-    pub used: &'a [WheelUse],
+/// The true values of what a recorder took; `used` is the use of the wheels by a controller, empty without one.
+pub(super) fn truth(
+    case: &Case,
+    model: &Model,
+    recorder: &Recorder,
+    used: &[WheelUse],
+) -> TruthFile {
+    let first = recorder.first.as_ref();
+    let bodies = model.bodies.iter();
+    let sensors = model.sensors.iter().enumerate();
+    let used = model.wheels.iter().zip(used);
+    TruthFile {
+        schema: TRUTH.to_owned(),
+        poinsot: env!("CARGO_PKG_VERSION").to_owned(),
+        model: model.name.clone(),
+        reference: reference(model),
+        run: Some(TrueRunFile {
+            duration_s: case.duration_s,
+            rate_hz: case.rate_hz,
+            seed: case.seed,
+            trial: recorder.trial,
+        }),
+        files: IndexMap::new(),
+        initial: first.map(|s| initial(model, s)),
+        bodies: bodies.map(|b| (b.name.clone(), body(&b.nominal))).collect(),
+        system: first.map(|s| system(model, s)).into_iter().collect(),
+        momentum: first.map(momentum).into_iter().collect(),
+        nuisance: nuisance(model, recorder),
+        sensors: sensors
+            .map(|(i, s)| (s.name.clone(), sensor(case, model, recorder, i)))
+            .collect(),
+        wheel_use: used
+            .map(|(wheel, used)| (wheel.name.clone(), wheel_use(used)))
+            .collect(),
+    }
 }
 
-impl Drawn<'_> {
-    pub fn truth(&self) -> TruthFile {
-        let (case, model) = (self.case, self.model);
-        let bodies = model.bodies.iter();
-        let sensors = model.sensors.iter().enumerate();
-        let used = model.wheels.iter().zip(self.used);
-        TruthFile {
-            schema: TRUTH.to_owned(),
-            poinsot: env!("CARGO_PKG_VERSION").to_owned(),
-            model: model.name.clone(),
-            reference: reference(model),
-            run: Some(TrueRunFile {
-                duration_s: case.duration_s,
-                rate_hz: case.rate_hz,
-                seed: case.seed,
-                trial: self.trial,
-            }),
-            files: IndexMap::new(),
-            initial: self.first.map(|s| initial(model, s)),
-            bodies: bodies.map(|b| (b.name.clone(), body(&b.nominal))).collect(),
-            system: self.first.map(|s| system(model, s)).into_iter().collect(),
-            momentum: self.first.map(momentum).into_iter().collect(),
-            nuisance: self.nuisance(),
-            sensors: sensors
-                .map(|(i, s)| (s.name.clone(), self.sensor(i)))
-                .collect(),
-            wheel_use: used
-                .map(|(wheel, used)| (wheel.name.clone(), wheel_use(used)))
-                .collect(),
+/// Spin inertias, numbers of modes and the nonzero errors of sensors.
+fn nuisance(model: &Model, recorder: &Recorder) -> IndexMap<String, TrueNumberFile> {
+    let mut out = IndexMap::new();
+    let mut put = |name: String, unit: &str, value: f64| {
+        out.insert(address(&name, unit), TrueNumberFile { value });
+    };
+    for wheel in &model.wheels {
+        let name = format!("{}.spin_inertia", wheel.name);
+        put(name, "", wheel.spin_inertia);
+    }
+    for flexible in &model.modes {
+        for number in ModeNumber::groups().into_iter().flatten() {
+            let name = format!("{}.{}", flexible.name, number.name());
+            put(name, number.unit(), flexible.mode.get(*number));
         }
     }
-
-    /// Spin inertias, numbers of modes and the nonzero errors of sensors.
-    fn nuisance(&self) -> IndexMap<String, TrueNumberFile> {
-        let mut out = IndexMap::new();
-        let mut put = |name: String, unit: &str, value: f64| {
-            out.insert(address(&name, unit), TrueNumberFile { value });
+    for joint in model.joints.iter().filter(|j| j.is_passive()) {
+        for (number, value) in joint.spring_numbers() {
+            let name = format!("{}.{}", joint.name, number.name());
+            put(name, number.unit(joint.slides()), value);
+        }
+    }
+    for (i, sensor) in model.sensors.iter().enumerate() {
+        let Some(instrument) = recorder.instrument(i) else {
+            continue;
         };
-        for wheel in &self.model.wheels {
-            let name = format!("{}.spin_inertia", wheel.name);
-            put(name, "", wheel.spin_inertia);
-        }
-        for flexible in &self.model.modes {
-            for number in ModeNumber::groups().into_iter().flatten() {
-                let name = format!("{}.{}", flexible.name, number.name());
-                put(name, number.unit(), flexible.mode.get(*number));
+        let name = &sensor.name;
+        if sensor.kind.is_scalar() {
+            let own = scalar_errors(model, sensor, instrument.bias(), instrument.scales());
+            own.into_iter()
+                .for_each(|(name, unit, value)| put(name, unit, value));
+            if instrument.lag_s() != 0.0 {
+                put(format!("{name}.lag"), "s", instrument.lag_s());
             }
         }
-        for joint in self.model.joints.iter().filter(|j| j.is_passive()) {
-            for (number, value) in joint.spring_numbers() {
-                let name = format!("{}.{}", joint.name, number.name());
-                put(name, number.unit(joint.slides()), value);
-            }
-        }
-        for (i, sensor) in self.model.sensors.iter().enumerate() {
-            let Some(instrument) = self.recorder.instrument(i) else {
-                continue;
-            };
-            let name = &sensor.name;
-            if sensor.kind.is_scalar() {
-                let own = scalar_errors(self.model, sensor, instrument.bias(), instrument.scales());
-                own.into_iter()
-                    .for_each(|(name, unit, value)| put(name, unit, value));
-                if instrument.lag_s() != 0.0 {
-                    put(format!("{name}.lag"), "s", instrument.lag_s());
-                }
-            }
-            for group in ErrorGroup::of(sensor.kind) {
-                for (error, end) in group.errors {
-                    let value = instrument.error(*error);
-                    if value != 0.0 || group.key == ErrorKey::Bias {
-                        put(format!("{name}.{end}"), group.unit(sensor.kind), value);
-                    }
+        for group in ErrorGroup::of(sensor.kind) {
+            for (error, end) in group.errors {
+                let value = instrument.error(*error);
+                if value != 0.0 || group.key == ErrorKey::Bias {
+                    put(format!("{name}.{end}"), group.unit(sensor.kind), value);
                 }
             }
         }
-        out
     }
+    out
+}
 
-    fn sensor(&self, i: usize) -> TrueSensorFile {
-        let sensor = &self.model.sensors[i];
-        let axes = if sensor.kind.is_scalar() { 1 } else { 3 };
-        let covariance = sensor.covariance().map(|c| {
-            let row = |r: usize| (0..axes).map(|k| c[(r, k)]).collect();
-            (0..axes).map(row).collect()
-        });
-        TrueSensorFile {
-            kind: sensor.kind.word().to_owned(),
-            unit: self.model.unit_of(sensor).to_owned(),
-            stream: stream(self.trial, i),
-            rate_hz: self.case.rate_hz / every(self.scenario, i) as f64,
-            covariance,
-            quantisation: sensor.quantisation,
-        }
+fn sensor(case: &Case, model: &Model, recorder: &Recorder, i: usize) -> TrueSensorFile {
+    let sensor = &model.sensors[i];
+    let axes = if sensor.kind.is_scalar() { 1 } else { 3 };
+    let covariance = sensor.covariance().map(|c| {
+        let row = |r: usize| (0..axes).map(|k| c[(r, k)]).collect();
+        (0..axes).map(row).collect()
+    });
+    TrueSensorFile {
+        kind: sensor.kind.word().to_owned(),
+        unit: model.unit_of(sensor).to_owned(),
+        stream: stream(recorder.trial, i),
+        rate_hz: case.rate_hz / recorder.every(i) as f64,
+        covariance,
+        quantisation: sensor.quantisation,
     }
 }
 
@@ -178,15 +169,10 @@ fn body(properties: &MassProperties) -> TrueBodyFile {
     }
 }
 
-fn moving(model: &Model) -> impl Iterator<Item = &Joint> {
-    let joints = model.joints.iter();
-    joints.filter(|j| j.kind != JointKind::Fixed)
-}
-
 /// Pose and motion of the base and the joints at time zero.
 fn initial(model: &Model, s: &MotionSample) -> InitialFile {
     let q = s.R_NB.coords;
-    let joints = moving(model).zip(s.q.iter().zip(&s.rates));
+    let joints = model.moving_joints().zip(s.q.iter().zip(&s.rates));
     let joints = joints.map(|(joint, (q, rate))| {
         let state = match joint.kind {
             JointKind::Prismatic => JointStateFile::Prismatic {
@@ -212,7 +198,7 @@ fn initial(model: &Model, s: &MotionSample) -> InitialFile {
 /// The vehicle as one body at the first sample, about the base origin and in base axes.
 fn system(model: &Model, s: &MotionSample) -> TrueBodyFile {
     let whole = composite(&model.nominal_parameters(), &s.kinematics);
-    let joints = moving(model).zip(&s.q);
+    let joints = model.moving_joints().zip(&s.q);
     TrueBodyFile {
         joint_positions: joints.map(|(j, q)| (position(j), *q)).collect(),
         ..TrueBodyFile::of(mass(&whole.mass_properties()))
