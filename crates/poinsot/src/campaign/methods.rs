@@ -50,13 +50,10 @@ impl MethodChoice {
                 SettingFile::Text(t) => format!("{key}={t}"),
             })
             .collect();
-        let variant = file.variant.as_ref().map(|v| format!(" {v}"));
-        let mut label = format!("{}{}", file.name, variant.unwrap_or_default());
-        settings
-            .iter()
-            .for_each(|s| label.extend([" ", s.as_str()]));
+        let words = [&file.name].into_iter().chain(&file.variant);
+        let words: Vec<&str> = words.chain(&settings).map(String::as_str).collect();
         Self {
-            label,
+            label: words.join(" "),
             diagnose: file.diagnose,
             question: Question {
                 variant: file.variant.clone(),

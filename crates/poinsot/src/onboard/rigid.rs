@@ -30,14 +30,12 @@ pub(super) struct Rigid {
 impl Rigid {
     pub fn new(model: &Model, tree: &Tree) -> Self {
         let joint = |k: usize| &model.joints[tree.coordinates[k]];
-        let mut kinematics = Kinematics::new(tree);
         let standing: Vec<f64> = (0..tree.dof()).map(|k| joint(k).standing_at()).collect();
-        kinematics.place(tree, &standing);
         let mut rigid = Self {
             of: vec![0],
             frames: vec![0],
             moving: Vec::new(),
-            kinematics,
+            kinematics: Kinematics::at(tree, &standing),
         };
         for (body, link) in tree.links.iter().enumerate().skip(1) {
             rigid.add(body, link, |k| joint(k).locked_at.is_none(), tree);

@@ -1,6 +1,7 @@
 //! One trial by one method.
 
 use crate::mass_numbers::names as mass_names;
+use indexmap::IndexMap;
 use nalgebra::{DMatrix, DVector};
 use poinsot_formats::address;
 use poinsot_identify::{Estimate, Source, Status};
@@ -66,7 +67,7 @@ pub struct Row {
     /// Chi-square per degree of freedom, mean over the segments.
     pub chi2_per_dof: Option<f64>,
     /// Chi-square per number of each kind of sensor, mean over the segments.
-    pub channels: Vec<(String, f64)>,
+    pub channels: IndexMap<String, f64>,
     /// That of all determined mass properties.
     pub nees: Option<Nees>,
     /// CPU time including its part of the simulation, s.
@@ -137,13 +138,10 @@ pub fn judged(estimate: &Estimate, expected: &[RowNumber]) -> Row {
         }
     }
     let segments = estimate.fit.len().max(1) as f64;
-    let mut channels: Vec<(String, f64)> = Vec::new();
+    let mut channels: IndexMap<String, f64> = IndexMap::new();
     for channel in estimate.fit.iter().flat_map(|f| &f.channels) {
         let share = channel.chi2_per_number.unwrap_or(f64::NAN) / segments;
-        match channels.iter_mut().find(|(name, _)| *name == channel.name) {
-            Some((_, sum)) => *sum += share,
-            None => channels.push((channel.name.clone(), share)),
-        }
+        *channels.entry(channel.name.clone()).or_default() += share;
     }
     let chi2 = estimate.fit.iter().map(|f| f.chi2_per_dof).sum::<f64>() / segments;
     Row {

@@ -1,6 +1,7 @@
 //! Sums over the rows of one method, and the statistics made from them.
 
 use super::{Nees, Row, RowNumber};
+use indexmap::IndexMap;
 use poinsot_formats::{BandedFile, MethodResultFile, NumberResultFile, finite};
 use poinsot_identify::Status;
 use serde::{Deserialize, Serialize};
@@ -138,7 +139,8 @@ pub struct Sums {
     /// Results that are not reliable.
     pub doubted: u64,
     /// Trials by status.
-    pub statuses: Vec<(String, u64)>,
+    #[serde(with = "indexmap::map::serde_seq")]
+    pub statuses: IndexMap<String, u64>,
     /// One entry per number.
     pub numbers: Vec<NumberSums>,
     /// Normalised squared errors.
@@ -146,7 +148,8 @@ pub struct Sums {
     /// Sum of chi-square per degree of freedom.
     pub chi2_per_dof: f64,
     /// Sum of chi-square per number of each kind of sensor.
-    pub channels: Vec<(String, f64)>,
+    #[serde(with = "indexmap::map::serde_seq")]
+    pub channels: IndexMap<String, f64>,
     /// Iterations taken.
     pub iterations: Iterations,
 }
@@ -174,10 +177,10 @@ impl Sums {
         let Some(status) = row.status else { return };
         self.answers += 1;
         self.doubted += u64::from(!row.evidence.is_empty());
-        *entry(&mut self.statuses, status.name()) += 1;
+        *self.statuses.entry(status.name().to_owned()).or_default() += 1;
         // Values that are not finite would hide the others.
         for (name, chi2) in row.channels.iter().filter(|c| c.1.is_finite()) {
-            *entry(&mut self.channels, name) += chi2;
+            *self.channels.entry(name.clone()).or_default() += chi2;
         }
         self.chi2_per_dof += row.chi2_per_dof.unwrap_or(0.0);
         self.iterations.sum += row.iterations;
@@ -190,11 +193,15 @@ impl Sums {
 
     /// The sums of a number, which is looked for at `place` first.
     fn number(&mut self, place: usize, name: &str) -> &mut NumberSums {
-        let new = || NumberSums {
-            name: name.to_owned(),
-            ..NumberSums::default()
-        };
-        found_or_new(&mut self.numbers, place, |n| n.name == name, new)
+        let found = position(&self.numbers, place, |n| n.name == name);
+        let at = found.unwrap_or_else(|| {
+            self.numbers.push(NumberSums {
+                name: name.to_owned(),
+                ..NumberSums::default()
+            });
+            self.numbers.len() - 1
+        });
+        &mut self.numbers[at]
     }
 
     /// Adds the sums of other trials.
@@ -207,10 +214,10 @@ impl Sums {
         self.failed.sort();
         self.failed.truncate(NAMED[0]);
         for (name, count) in &other.statuses {
-            *entry(&mut self.statuses, name) += count;
+            *self.statuses.entry(name.clone()).or_default() += count;
         }
         for (name, sum) in &other.channels {
-            *entry(&mut self.channels, name) += sum;
+            *self.channels.entry(name.clone()).or_default() += sum;
         }
         self.chi2_per_dof += other.chi2_per_dof;
         self.iterations.sum += other.iterations.sum;
@@ -237,14 +244,14 @@ impl Sums {
 
     /// Whether these can be the sums of this many trials.
     pub(crate) fn is_of(&self, trials: u64) -> bool {
-        let add = |n: u64, (_, m): &(String, u64)| n.checked_add(*m);
+        let mut answers = self.statuses.values();
         let possible = |n: &NumberSums| n.is_possible(trials, self.answers);
         self.trials == trials
             && self.failures <= trials
             && (trials - self.failures..=trials).contains(&self.answers)
             && self.failed.len() as u64 == self.failures.min(NAMED[0] as u64)
             && self.doubted <= self.answers
-            && self.statuses.iter().try_fold(0, add) == Some(self.answers)
+            && answers.try_fold(0_u64, |n, m| n.checked_add(*m)) == Some(self.answers)
             && self.numbers.iter().all(possible)
             && self.nees.dof <= self.answers.saturating_mul(self.numbers.len() as u64)
             && [self.nees.square, self.chi2_per_dof].iter().all(is_square)
@@ -255,14 +262,14 @@ impl Sums {
         let count = self.answers.max(1) as f64;
         let numbers = self.numbers.iter().filter(|n| n.trials > 0);
         let number = |n: &NumberSums| (n.name.clone(), n.result(self.trials, outside));
-        let mean = |(name, sum): &(String, f64)| (name.clone(), sum / count);
+        let mean = |(name, sum): (&String, &f64)| (name.clone(), sum / count);
         let Nees { square, dof } = self.nees;
         let mut result = MethodResultFile {
             method: self.setup.clone(),
             trials: self.trials,
             failed: BandedFile::share(self.failures, self.trials, outside),
             doubted: BandedFile::share(self.doubted, self.answers, outside),
-            statuses: self.statuses.iter().cloned().collect(),
+            statuses: self.statuses.clone(),
             failures: self.failed.iter().take(NAMED[1]).cloned().collect(),
             nees: (dof > 0).then(|| BandedFile::mean_square(square / dof as f64, dof, outside)),
             nees_dof: dof,
@@ -290,23 +297,4 @@ pub(crate) fn position<T>(list: &[T], place: usize, is: impl Fn(&T) -> bool) -> 
         Some(item) if is(item) => Some(place),
         _ => list.iter().position(is),
     }
-}
-
-/// The item that is meant, made if it is not there.
-fn found_or_new<T>(
-    list: &mut Vec<T>,
-    place: usize,
-    is: impl Fn(&T) -> bool,
-    new: impl FnOnce() -> T,
-) -> &mut T {
-    let at = position(list, place, is).unwrap_or_else(|| {
-        list.push(new());
-        list.len() - 1
-    });
-    &mut list[at]
-}
-
-fn entry<'a, T: Default>(list: &'a mut Vec<(String, T)>, name: &str) -> &'a mut T {
-    let new = || (name.to_owned(), T::default());
-    &mut found_or_new(list, 0, |(n, _)| n == name, new).1
 }
