@@ -40,6 +40,8 @@ pub(crate) struct Documents {
     pub truth: Document,
     /// The nominal model of the identification.
     pub nominal: Document,
+    /// Whether the tables differ from the texts.
+    pub changed: bool,
 }
 
 impl Document {
@@ -65,6 +67,7 @@ pub(crate) fn edit(
     of: OfFile,
     change: &mut Edit<'_>,
 ) -> Result<(), Refusal> {
+    documents.changed = true;
     let address = Address::parse(address);
     let mut case = documents.case.as_mut().and_then(|d| d.table.as_mut());
     if let Some(case) = case.as_deref_mut()
@@ -358,6 +361,7 @@ bias_rad_s = [0.0, 0.0, 0.0]
             case: Some(document(case)),
             truth: document(model.clone()),
             nominal: document(model),
+            changed: false,
         }
     }
 

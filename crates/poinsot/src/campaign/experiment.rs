@@ -1,6 +1,6 @@
 //! An experiment of a plan: its files as tables, and the study at one point.
 
-use super::address::{Document, Documents, Edit, Refusal, edit};
+use super::address::{Document, Documents, Refusal};
 use super::faults::PlanText;
 use crate::case::{Case, parse_case, read_case};
 use crate::error::Error;
@@ -8,17 +8,11 @@ use crate::identify::read_options;
 use crate::mass_numbers::names as mass_names;
 use crate::trials::Study;
 use poinsot_files::Place;
-use poinsot_formats::{ExperimentFile, OfFile, PlanFile, sha256};
-use poinsot_model::{Body, Model, Sensor, parse_model, read_model, read_model_text};
+use poinsot_formats::{ExperimentFile, PlanFile, sha256};
+use poinsot_model::{Model, Sensor, parse_model, read_model, read_model_text};
 use poinsot_telemetry::{Channel, Table, read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-/// All changes of a cell or trial, applied by [`Apply`].
-pub(crate) type Changes<'a> = dyn FnMut(&mut Apply<'_>) -> Result<(), Refusal> + 'a;
-
-/// Applies one change to the files.
-pub(crate) type Apply<'a> = dyn FnMut(&str, OfFile, &mut Edit<'_>) -> Result<(), Refusal> + 'a;
 
 pub(crate) struct Experiment {
     pub name: String,
@@ -28,7 +22,8 @@ pub(crate) struct Experiment {
     /// Paths of the files.
     pub paths: Vec<PathBuf>,
     record: Option<Arc<[Table]>>,
-    bodies: Vec<Body>,
+    /// Requested mass properties of all bodies.
+    pub asked: Vec<String>,
     file: ExperimentFile,
     seed: Option<u64>,
 }
@@ -97,17 +92,19 @@ impl Experiment {
         }
         let case = case.map(|c| Document::new(c.path().to_owned(), c.text().to_owned()));
         let named = file.case.as_ref().or(file.record.as_ref());
+        let asked = model.bodies.iter().filter(|b| b.estimate.any());
         Ok(Some(Self {
             name: name_or_stem(&file.name, named.map_or(Path::new(""), PathBuf::as_path)),
             documents: Documents {
                 case,
                 truth,
                 nominal,
+                changed: false,
             },
             hashes,
             paths,
             record,
-            bodies: model.bodies,
+            asked: asked.flat_map(|b| mass_names(&b.name)).collect(),
             file: file.clone(),
             seed: plan.seed,
         }))
@@ -117,14 +114,15 @@ impl Experiment {
     ///
     /// # Errors
     /// A changed file is invalid.
-    pub fn files(&self, changes: &mut Changes<'_>) -> Result<FilesAt, Error> {
+    pub fn files(
+        &self,
+        change: impl FnOnce(&mut Documents) -> Result<(), Refusal>,
+    ) -> Result<FilesAt, Error> {
         let mut documents = self.documents.clone();
-        let mut changed = false;
-        changes(&mut |address, of, change| {
-            changed = true;
-            edit(&mut documents, address, of, change)
-        })
-        .map_err(|(what, remedy)| Error::one("E0542", Place::file(&self.name), what, &remedy))?;
+        change(&mut documents).map_err(|(what, remedy)| {
+            Error::one("E0542", Place::file(&self.name), what, &remedy)
+        })?;
+        let changed = documents.changed;
         let case = documents.case.as_ref();
         let case = case.map(|c| parse_case(&c.path, text(c, changed)));
         Ok(FilesAt {
@@ -132,13 +130,6 @@ impl Experiment {
             truth: read_document(&documents.truth, changed)?,
             nominal: read_document(&documents.nominal, changed)?,
         })
-    }
-
-    /// Requested mass properties of all bodies.
-    pub fn asked(&self) -> Vec<String> {
-        let of = |b: &Body| mass_names(&b.name);
-        let asked = self.bodies.iter().filter(|b| b.estimate.any());
-        asked.flat_map(of).collect()
     }
 
     /// The repeatable experiment.

@@ -3,8 +3,8 @@
 //! A cell is one experiment at one point of the grid. A shard is a block of trials of one cell. Shards are numbered
 //! block by block: the first blocks of all cells come before the second ones.
 
-use super::address::{Refusal, count};
-use super::experiment::{Apply, Experiment, FilesAt, name_or_stem};
+use super::address::{Documents, Refusal, count, edit};
+use super::experiment::{Experiment, FilesAt, name_or_stem};
 use super::faults::PlanText;
 use super::methods::MethodChoice;
 use crate::case::{FITTED, FITTED_S};
@@ -409,11 +409,11 @@ impl Plan {
     /// # Errors
     /// A changed file is invalid.
     pub(crate) fn files_at(&self, experiment: &Experiment, cell: u64) -> Result<FilesAt, Error> {
-        experiment.files(&mut |apply| self.fixed(cell, apply))
+        experiment.files(|documents| self.fixed(cell, documents))
     }
 
     /// Changes common to all trials of a cell.
-    pub(crate) fn fixed(&self, cell: u64, apply: &mut Apply<'_>) -> Result<(), Refusal> {
+    pub(crate) fn fixed(&self, cell: u64, documents: &mut Documents) -> Result<(), Refusal> {
         for change in &self.file.change {
             let of = change.of.unwrap_or(OfFile::Both);
             let pick = |n: &NumbersFile, k: usize| match n {
@@ -426,10 +426,10 @@ impl Plan {
                 (_, _, Some(v)) => x + pick(v, k),
                 _ => x,
             };
-            apply(&change.number, of, &mut changed)?;
+            edit(documents, &change.number, of, &mut changed)?;
         }
         for (axis, (_, value)) in self.grid.iter().zip(self.point(cell)) {
-            apply(&axis.number, axis.of, &mut |_, _| value)?;
+            edit(documents, &axis.number, axis.of, &mut |_, _| value)?;
         }
         Ok(())
     }

@@ -269,7 +269,7 @@ fn columns(plan: &Plan, shard: &Shard, rows: &[Row]) -> Vec<RowColumn> {
         add(format!("drawn.{name}"), number(&value));
     }
     // All shards of a cell begin with the requested numbers, determined or not.
-    let mut names: IndexSet<String> = experiment.asked().into_iter().collect();
+    let mut names: IndexSet<String> = experiment.asked.iter().cloned().collect();
     let determined = rows.iter().flat_map(|r| r.determined().map(|n| &n.name));
     names.extend(determined.collect::<BTreeSet<_>>().into_iter().cloned());
     let kinds: [(&str, Of<RowNumber>); 4] = [

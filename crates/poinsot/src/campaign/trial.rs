@@ -1,7 +1,7 @@
 //! One trial: random numbers, samples, and all methods.
 
+use super::address::edit;
 use super::deviates::Deviates;
-use super::experiment::Apply;
 use super::methods::MethodChoice;
 use super::plan::{Plan, Shard};
 use crate::error::Error;
@@ -93,8 +93,8 @@ impl Prepared {
         drawn: &mut Vec<(String, f64)>,
     ) -> Result<Repeated, Error> {
         let experiment = plan.experiment(shard.cell);
-        let mut changes = |apply: &mut Apply<'_>| {
-            plan.fixed(shard.cell, apply)?;
+        let files = experiment.files(|documents| {
+            plan.fixed(shard.cell, documents)?;
             for (k, draw) in plan.file.draw.iter().enumerate() {
                 let deviates = Deviates {
                     // Sensor noise uses the seed of the experiment if the plan has none.
@@ -103,7 +103,7 @@ impl Prepared {
                     draw: k as u64,
                 };
                 let of = draw.of.unwrap_or(OfFile::Truth);
-                apply(&draw.number, of, &mut |at, old| {
+                edit(documents, &draw.number, of, &mut |at, old| {
                     let name = format!("{}[{at}]", draw.number);
                     let value = drawn_value(draw, deviates, at, old);
                     // Both files use the same deviates, each about its own numbers.
@@ -114,9 +114,8 @@ impl Prepared {
                 })?;
             }
             Ok(())
-        };
-        let study = experiment.study(experiment.files(&mut changes)?)?;
-        Ok(Repeated::of(study))
+        });
+        Ok(Repeated::of(experiment.study(files?)?))
     }
 }
 
