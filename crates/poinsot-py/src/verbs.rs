@@ -76,7 +76,7 @@ pub fn simulate(
     run(py, progress.as_ref(), move || {
         if let Some(folder) = &out {
             let written = poinsot::simulate::simulate(&case, folder)?;
-            let truth = text_of(&written.truth)?;
+            let truth = poinsot_model::read_model_text(&written.truth)?;
             let parts = vec![poinsot_telemetry::Part::File(written.telemetry)];
             return Ok((CoreRecord { parts }, truth));
         }
@@ -92,11 +92,6 @@ pub fn simulate(
             json(&simulation.truth)?,
         ))
     })
-}
-
-fn text_of(path: &std::path::Path) -> Result<String, Fault> {
-    let text = poinsot_model::read_model_text(path);
-    text.map_err(Fault::from)
 }
 
 /// `poinsot predict`.
