@@ -22,10 +22,8 @@ impl Planner<'_> {
         let wrong = |planner: &mut Self, problem: &str, remedy: &str| {
             planner.refused("E0507", key, problem, remedy)
         };
-        let column = match &table.column {
-            Some(column) => column.clone(),
-            None => format!("{}{SPEED}", table.wheel),
-        };
+        let usual = || format!("{}{SPEED}", table.wheel);
+        let column = table.column.clone().unwrap_or_else(usual);
         let (torque, nodes) = match (&table.speed_rad_s, &table.torque_N_m, &table.file) {
             (Some(speed), None, None) => (false, Some(speed)),
             (None, Some(torque), None) => (true, Some(torque)),

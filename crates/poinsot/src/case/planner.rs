@@ -262,17 +262,16 @@ impl<'c> Planner<'c> {
         key: &str,
         values: &str,
     ) -> Option<T> {
-        let error = match built {
-            Ok(built) => return Some(built),
-            Err(error) => error,
-        };
-        let (code, name) = match error {
-            NodeError::Empty | NodeError::Length { .. } => ("E0506", values),
-            NodeError::NotFinite(_) => ("E0505", values),
-            NodeError::NotIncreasing(_) => ("E0506", "time_s"),
-        };
-        let key = format!("{key}.{name}");
-        self.refused(code, &key, error.to_string(), node_remedy(&error))
+        let checked = built.map_err(|error| {
+            let (code, name) = match error {
+                NodeError::Empty | NodeError::Length { .. } => ("E0506", values),
+                NodeError::NotFinite(_) => ("E0505", values),
+                NodeError::NotIncreasing(_) => ("E0506", "time_s"),
+            };
+            let key = format!("{key}.{name}");
+            self.refuse(code, &key, error.to_string(), node_remedy(&error));
+        });
+        checked.ok()
     }
 }
 

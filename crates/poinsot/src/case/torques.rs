@@ -204,10 +204,8 @@ impl Planner<'_> {
     ) -> Option<ForceProfile> {
         let build = self.interpolation(table.interpolation.as_deref(), OF_TORQUE, key)?;
         let unit = if joint.slides() { "N" } else { "Nm" };
-        let column = match &table.column {
-            Some(column) => column.clone(),
-            None => format!("{}_{unit}", joint.name),
-        };
+        let usual = || format!("{}_{unit}", joint.name);
+        let column = table.column.clone().unwrap_or_else(usual);
         let profile = self.column(file, &column, &[&format!("_{unit}")], build, key)?;
         Some(ForceProfile::Nodes(profile.starting_from(0.0)))
     }
@@ -248,12 +246,10 @@ impl Planner<'_> {
             let remedy = format!("name a column that ends in {}", units.join(" or "));
             return self.refused("E0511", &key, problem, remedy);
         }
-        match build(&channel.time_s, &channel.values) {
-            Ok(profile) => Some(profile),
-            Err(e) => {
-                let problem = format!("column \"{column}\": {e}");
-                self.refused("E0511", &key, problem, node_remedy(&e))
-            }
-        }
+        let built = build(&channel.time_s, &channel.values).map_err(|e| {
+            let problem = format!("column \"{column}\": {e}");
+            self.refuse("E0511", &key, problem, node_remedy(&e));
+        });
+        built.ok()
     }
 }
