@@ -25,14 +25,6 @@ const MOST_TRIALS: u64 = 1 << 48;
 /// Largest number of cells of a grid.
 const MOST_CELLS: u64 = 1_000_000;
 
-/// A number varied on the grid.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct GridAxis {
-    pub number: String,
-    pub of: OfFile,
-    pub values: Vec<f64>,
-}
-
 /// A checked plan.
 pub struct Plan {
     /// The file.
@@ -50,7 +42,8 @@ pub struct Plan {
     pub folder: PathBuf,
     pub(crate) experiments: Vec<Experiment>,
     pub(crate) methods: Vec<MethodChoice>,
-    pub(crate) grid: Vec<GridAxis>,
+    /// The values of every varied number.
+    pub(crate) grid: Vec<Vec<f64>>,
     /// Least time of a trial of any cell, s; zero where it is not known.
     pub(crate) seconds: f64,
 }
@@ -196,7 +189,7 @@ fn check_counts(file: &PlanFile, text: &mut PlanText) {
 }
 
 /// One `[[vary]]`: values, or a range with a count; `None` if a fault was recorded.
-fn axis(vary: &VaryFile, k: usize, text: &mut PlanText) -> Option<GridAxis> {
+fn axis(vary: &VaryFile, k: usize, text: &mut PlanText) -> Option<Vec<f64>> {
     let log = vary.scale == ScaleFile::Log;
     let found = match (&vary.values, vary.from, vary.to, vary.count) {
         (Some(values), None, None, None) if values.is_empty() => {
@@ -226,11 +219,7 @@ fn axis(vary: &VaryFile, k: usize, text: &mut PlanText) -> Option<GridAxis> {
     let refuse = |[key, what, remedy]: [&str; 3]| {
         text.refuse(&format!("vary[{k}].{key}"), what, remedy);
     };
-    Some(GridAxis {
-        number: vary.number.clone(),
-        of: vary.of.unwrap_or(OfFile::Both),
-        values: found.map_err(refuse).ok()?,
-    })
+    found.map_err(refuse).ok()
 }
 
 /// Values of a range, with exact ends.
@@ -341,7 +330,7 @@ impl Plan {
 
     /// Experiments times points of the grid.
     pub fn cells(&self) -> u64 {
-        let points = self.grid.iter().map(|g| g.values.len() as u64);
+        let points = self.grid.iter().map(|values| values.len() as u64);
         points.fold(self.experiments.len() as u64, u64::saturating_mul)
     }
 
@@ -376,9 +365,9 @@ impl Plan {
         let points = self.cells() / self.experiments.len() as u64;
         let mut rest = cell % points;
         let mut all: Vec<(&str, f64)> = Vec::new();
-        for axis in self.grid.iter().rev() {
-            let n = axis.values.len() as u64;
-            all.push((&axis.number, axis.values[(rest % n) as usize]));
+        for (vary, values) in self.file.vary.iter().zip(&self.grid).rev() {
+            let n = values.len() as u64;
+            all.push((&vary.number, values[(rest % n) as usize]));
             rest /= n;
         }
         all.reverse();
@@ -397,11 +386,6 @@ impl Plan {
     /// Names of the methods, with variants and settings.
     pub fn method_labels(&self) -> Vec<&str> {
         self.methods.iter().map(|m| m.label.as_str()).collect()
-    }
-
-    /// Whether every trial has its own true values.
-    pub(crate) fn draws(&self) -> bool {
-        !self.file.draw.is_empty()
     }
 
     /// The files of an experiment with the changes of a cell.
@@ -428,8 +412,9 @@ impl Plan {
             };
             edit(documents, &change.number, of, &mut changed)?;
         }
-        for (axis, (_, value)) in self.grid.iter().zip(self.point(cell)) {
-            edit(documents, &axis.number, axis.of, &mut |_, _| value)?;
+        for (vary, (number, value)) in self.file.vary.iter().zip(self.point(cell)) {
+            let of = vary.of.unwrap_or(OfFile::Both);
+            edit(documents, number, of, &mut |_, _| value)?;
         }
         Ok(())
     }

@@ -4,7 +4,7 @@ use super::engine::{locked, missing_shards, run_each, run_shards};
 use super::plan::Plan;
 use super::result::{Folded, fold_shards, fold_sums, widest_coverage};
 use super::shard::{MissingShard, ShardSums, find, rows_path, sums_path};
-use super::until::{looks, outside_at_each};
+use super::until::looks;
 use crate::error::Error;
 use crate::trials::OUTSIDE;
 use crate::written::{result_json, write_files};
@@ -129,7 +129,8 @@ pub fn campaign(plan: &Plan, request: &CampaignRequest<'_>) -> Result<CampaignRu
         Some(_) => looks(plan),
         None => vec![plan.trials],
     };
-    let outside = outside_at_each(OUTSIDE, all.len());
+    // For all tests together (Bonferroni).
+    let outside = OUTSIDE / all.len() as f64;
     for trials in all {
         let shards = 0..plan.shards_up_to(trials);
         run_missing(plan, request, shards, trials, &mut ran)?;

@@ -13,11 +13,8 @@ use poinsot_identify::Estimate;
 use poinsot_telemetry::Table;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Data shared by all trials of a shard.
-pub(super) struct Prepared {
-    /// The experiment, if all trials have the same true values.
-    shared: Option<Repeated>,
-}
+/// Data shared by all trials of a shard: the experiment, if all trials have the same true values.
+pub(super) struct Prepared(Option<Repeated>);
 
 /// An experiment with its bound.
 struct Repeated {
@@ -38,11 +35,11 @@ impl Prepared {
     /// # Errors
     /// The experiment cannot be simulated.
     pub fn new(plan: &Plan, shard: &Shard) -> Result<Self, Error> {
-        let shared = match plan.draws() {
-            true => None,
-            false => Some(Repeated::of(plan.study(shard.cell)?)),
+        let shared = match plan.file.draw.is_empty() {
+            true => Some(Repeated::of(plan.study(shard.cell)?)),
+            false => None,
         };
-        Ok(Self { shared })
+        Ok(Self(shared))
     }
 
     /// Runs all trials of a shard, one after the other: rows by trial, then by method.
@@ -56,7 +53,7 @@ impl Prepared {
         let start = processor_time();
         let mut drawn = Vec::new();
         let own;
-        let repeated = match &self.shared {
+        let repeated = match &self.0 {
             Some(shared) => Ok(shared),
             None => {
                 own = Self::own_study(plan, shard, number, &mut drawn);

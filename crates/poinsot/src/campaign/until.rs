@@ -26,8 +26,3 @@ pub fn looks(plan: &Plan) -> Vec<u64> {
     all.push(plan.trials);
     all
 }
-
-/// Probability outside the interval of one test, so that it is `outside` for all tests together (Bonferroni).
-pub(super) fn outside_at_each(outside: f64, looks: usize) -> f64 {
-    outside / looks.max(1) as f64
-}

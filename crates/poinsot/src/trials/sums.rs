@@ -79,11 +79,6 @@ impl NumberSums {
         self.held += more.held;
     }
 
-    /// Mean square of the bound.
-    fn bound_square(&self) -> Option<f64> {
-        finite(self.bounds.sum / self.bounds.count as f64)
-    }
-
     /// Coverage over the trials that determined the number, and over all; null where none states an interval.
     fn coverage(&self, trials: u64, outside: f64) -> [BandedFile; 2] {
         match self.trials - self.unstated {
@@ -97,7 +92,7 @@ impl NumberSums {
         let (bias, square) = (self.error / n, self.square / n);
         let spread = ((square - bias * bias).max(0.0) * n / (n - 1.0).max(1.0)).sqrt();
         let stated = (self.trials - self.unstated) as f64;
-        let bound = self.bound_square().map(f64::sqrt);
+        let bound = finite(self.bounds.sum / self.bounds.count as f64).map(f64::sqrt);
         let rmse = BandedFile::mean_square(square, self.trials, outside).root();
         let over = |bound: f64| rmse.over(bound);
         let [coverage_answered, coverage_all] = self.coverage(trials, outside);
