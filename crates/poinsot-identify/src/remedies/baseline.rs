@@ -1,6 +1,5 @@
 //! What the experiment determines already, and the information of one more record or number.
 
-use super::gains::Gains;
 use super::{Action, Change, Effort, GIVEN, Row};
 use crate::fit::experiment::Experiment;
 use crate::fit::triangle::SharedTriangle;
@@ -15,13 +14,17 @@ use faer::Mat;
 use faer::linalg::solvers::DenseSolveCore;
 use nalgebra::DMatrix;
 use poinsot_model::EstimateSet;
-use poinsot_solve::{BlockQr, Spectrum};
+use poinsot_solve::{BlockQr, Spectrum, Triangle};
+
+/// Round-off of a singular value, for each unknown and in units of the largest one ([`Spectrum::new`]).
+const ROUND_OFF: f64 = 32.0 * f64::EPSILON;
 
 /// Information of the experiment, in barycentric unknowns.
 pub(super) struct Baseline<'a> {
     pub problem: &'a Problem<'a>,
     pub parameters: Parameters,
     pub x: Vec<f64>,
+    /// Over the coordinates, as those of the changes.
     rows: Vec<Row>,
     coordinates: Coordinates,
     pub initial_state: InitialState,
@@ -56,8 +59,9 @@ impl<'a> Baseline<'a> {
             .initial_states
             .first()
             .copied()?;
+        let rows = known_rows(solution, &parameters, &x);
         Some(Self {
-            rows: known_rows(solution, &parameters, &x),
+            rows: rows.iter().map(|row| coordinates.of_row(row)).collect(),
             spin: experiment.nominal_spin.clone(),
             measured_motion: experiment.measured_motion,
             wheels: likelihood.wheels,
@@ -84,50 +88,57 @@ impl<'a> Baseline<'a> {
             .collect()
     }
 
+    /// The spectrum of the experiment with more rows.
     pub fn spectrum(&self, more: &[&Row]) -> Option<Spectrum> {
-        Some(self.decomposed(more)?.1)
-    }
-
-    /// The experiment with more rows, ready for further ones; `None` where they need decompositions of their own.
-    pub fn gains(&self, more: &[&Row]) -> Option<Gains> {
-        let (shared, spectrum, size) = self.decomposed(more)?;
+        let (block, size) = self.block(&self.stacked(&self.rows, more));
         let accuracy = self.problem.largest_sigma();
-        Gains::new(&self.parameters, shared, spectrum, (accuracy, size))
+        Spectrum::new(&block, &self.coordinates.natural, None, size, accuracy).ok()
     }
 
-    /// Number of directions that the rows of a change identify beyond those of an experiment.
-    pub fn gain(&self, of: &Gains, change: &Change) -> Option<usize> {
-        let rows = change.rows.iter().map(|row| self.coordinates.of_row(row));
-        of.of(&rows.collect::<Vec<_>>())
+    /// The information of the experiment with more rows, in as few rows as there are unknowns.
+    pub fn condensed(&self, more: &[&Row]) -> Vec<Row> {
+        let r = self.stacked(&self.rows, more).r;
+        let row = |i: usize| (0..r.ncols()).map(|j| r[(i, j)]).collect();
+        (0..r.nrows()).map(row).collect()
     }
 
-    /// Triangle and spectrum with more rows, and the length of the longest column, natural units.
-    fn decomposed(&self, more: &[&Row]) -> Option<(SharedTriangle, Spectrum, f64)> {
-        let n = self.parameters.len();
-        let mut stacked = BlockQr::new(n + 1);
-        let all = self.rows.iter().chain(more.iter().copied());
-        let all: Vec<Row> = all.map(|row| self.coordinates.of_row(row)).collect();
+    /// Number of directions that condensed rows identify together with more.
+    pub fn rank(&self, condensed: &[Row], more: &[Row]) -> usize {
+        let more: Vec<&Row> = more.iter().collect();
+        let (block, size) = self.block(&self.stacked(condensed, &more));
+        let accuracy = self.problem.largest_sigma();
+        identified(&block, &self.coordinates.natural, (size, accuracy))
+    }
+
+    /// Triangle of rows.
+    fn stacked(&self, rows: &[Row], more: &[&Row]) -> Triangle {
+        let all: Vec<&Row> = rows.iter().chain(more.iter().copied()).collect();
+        let mut stacked = BlockQr::new(self.parameters.len() + 1);
         stacked.push(all.len(), |i, j| all[i].get(j).copied().unwrap_or(0.0));
-        let triangle = stacked.finish();
-        let natural = &self.coordinates.natural;
-        let size = natural
-            .iter()
-            .enumerate()
-            .map(|(j, unit)| {
-                let square: f64 = (0..=j).map(|i| triangle.r[(i, j)].powi(2)).sum();
-                square.sqrt() * unit
-            })
-            .fold(0.0, f64::max);
-        let shared = SharedTriangle::new(&self.parameters, &triangle);
-        let accuracy = self.problem.largest_sigma();
-        let spectrum = Spectrum::new(&shared.block(), natural, None, size, accuracy).ok()?;
-        Some((shared, spectrum, size))
+        stacked.finish()
+    }
+
+    /// Triangle of the mass properties, and the length of the longest column, natural units.
+    fn block(&self, triangle: &Triangle) -> (Mat<f64>, f64) {
+        let natural = self.coordinates.natural.iter().enumerate();
+        let length = |(j, unit): (usize, &f64)| {
+            let square: f64 = (0..=j).map(|i| triangle.r[(i, j)].powi(2)).sum();
+            square.sqrt() * unit
+        };
+        let size = natural.map(length).fold(0.0, f64::max);
+        (
+            SharedTriangle::new(&self.parameters, triangle).block(),
+            size,
+        )
     }
 
     pub fn changes(&self) -> Vec<Change> {
         let mut list = self.records().unwrap_or_default();
         for (body, set) in self.parameters.estimate.iter().enumerate() {
             list.extend(self.given(body, *set));
+        }
+        for row in list.iter_mut().flat_map(|change| &mut change.rows) {
+            *row = self.coordinates.of_row(row);
         }
         list
     }
@@ -216,6 +227,20 @@ impl Coordinates {
     }
 }
 
+/// Number of directions that [`Spectrum::new`] identifies of a triangle: by the singular values alone, which take a fraction of the
+/// time. Given are also the length of the longest column and the accuracy, natural units.
+fn identified(r: &Mat<f64>, natural: &[f64], (size, accuracy): (f64, f64)) -> usize {
+    let n = natural.len();
+    let scaled = Mat::from_fn(n, n, |i, j| r[(i, j)] * natural[j]);
+    let is_finite = (0..n).all(|j| (0..n).all(|i| scaled[(i, j)].is_finite()));
+    let values = scaled.singular_values().ok().filter(|_| is_finite);
+    let values = values.unwrap_or_default();
+    let largest = values.first().copied().unwrap_or(0.0);
+    let round_off = ROUND_OFF * n as f64 * size.max(largest);
+    let told = |s: &&f64| **s > round_off && 1.0 / **s < accuracy;
+    values.iter().filter(told).count()
+}
+
 /// The rows of a solved problem over the unknowns given, barycentric for those of a rotation alone.
 fn known_rows(solution: &Solution, parameters: &Parameters, x: &[f64]) -> Vec<Row> {
     let own = &solution.parameters;
@@ -242,4 +267,41 @@ fn known_rows(solution: &Solution, parameters: &Parameters, x: &[f64]) -> Vec<Ro
     let rows = r.upper_triangle() * gradients;
     let rows = rows.row_iter().map(|row| row.iter().copied().collect());
     rows.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+
+    /// The count is that of a spectrum, for every number of rows and of directions that are not identified.
+    #[test]
+    fn xval_the_directions_by_singular_values_are_those_of_a_spectrum() {
+        let n = 8;
+        let natural: Vec<f64> = (0..n).map(|k| 0.5 + k as f64).collect();
+        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(3);
+        let mut row = |size: f64| -> Row {
+            let mut value = || size * (random.random::<f64>() - 0.5);
+            (0..n).map(|_| value()).collect()
+        };
+        let mut found = std::collections::BTreeSet::new();
+        for rows in [0, 1, 3, 5, 8, 20] {
+            for size in [0.03, 0.3, 3.0, 3.0e3] {
+                let all: Vec<Row> = (0..rows).map(|_| row(size)).collect();
+                let mut qr = BlockQr::new(n);
+                qr.push(rows, |i, j| all[i][j]);
+                let r = qr.finish().r;
+                let length = |j: usize| {
+                    let square: f64 = (0..n).map(|i| r[(i, j)].powi(2)).sum();
+                    square.sqrt() * natural[j]
+                };
+                let longest = (0..n).map(length).fold(0.0, f64::max);
+                let spectrum = Spectrum::new(&r, &natural, None, longest, 1.0).unwrap();
+                let count = identified(&r, &natural, (longest, 1.0));
+                assert_eq!(count, spectrum.rank, "{rows} {size}");
+                found.insert(count);
+            }
+        }
+        assert!(found.len() > 3, "{found:?}");
+    }
 }

@@ -6,14 +6,12 @@
 //! one by one, each time the one that determines most, and those that turn out not to be needed are left out again.
 
 mod baseline;
-mod gains;
 mod records;
 
 use crate::problem::Problem;
 use crate::solution::estimate::UnobservableCombination;
 use crate::solution::solved::{OfLikelihood, Solution};
 use baseline::Baseline;
-use gains::Gains;
 use poinsot_files::counted;
 use poinsot_solve::Spectrum;
 
@@ -221,21 +219,18 @@ impl<'a> Tried<'a> {
     fn needed(&self) -> Vec<usize> {
         let mut list: Vec<usize> = Vec::new();
         while list.len() < TOGETHER {
-            let gains = self.baseline.gains(&self.rows(&list));
-            let before = match &gains {
-                Some(gains) => gains.rank().saturating_sub(self.rank),
-                None => self.gain(&list),
-            };
+            let known = self.baseline.condensed(&self.rows(&list));
+            let before = self.baseline.rank(&known, &[]);
             let mut next: Option<(Effort, usize, usize)> = None;
             for at in (0..self.changes.len()).filter(|at| !list.contains(at)) {
                 let effort = self.changes[at].0.effort;
                 if next.is_some_and(|(least, ..)| effort > least) {
                     continue;
                 }
-                let gain = self.gain_with(&list, gains.as_ref(), at);
-                let better = next.is_none_or(|(least, most, _)| effort < least || gain > most);
-                if gain > before && better {
-                    next = Some((effort, gain, at));
+                let rank = self.baseline.rank(&known, &self.changes[at].0.rows);
+                let better = next.is_none_or(|(least, most, _)| effort < least || rank > most);
+                if rank > before && better {
+                    next = Some((effort, rank, at));
                 }
             }
             match next {
@@ -289,18 +284,6 @@ impl<'a> Tried<'a> {
     fn gain(&self, set: &[usize]) -> usize {
         let spectrum = self.baseline.spectrum(&self.rows(set));
         spectrum.map_or(0, |s| s.rank.saturating_sub(self.rank))
-    }
-
-    /// The same of several changes with one more, from the decomposition of the several where it is at hand.
-    fn gain_with(&self, set: &[usize], of: Option<&Gains>, at: usize) -> usize {
-        let more = of.and_then(|of| {
-            let more = self.baseline.gain(of, &self.changes[at].0)?;
-            Some((of.rank() + more).saturating_sub(self.rank))
-        });
-        more.unwrap_or_else(|| {
-            let with: Vec<usize> = set.iter().copied().chain([at]).collect();
-            self.gain(&with)
-        })
     }
 
     /// The rows of several changes.
