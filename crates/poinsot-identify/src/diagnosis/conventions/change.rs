@@ -17,20 +17,14 @@ pub(super) fn put_right<T>(
     match (&convention.place, convention.change) {
         // With the spin inertia in place of the speed, its process stays.
         (Place::Wheels(which), Change::Factor(x)) => {
-            for k in which {
-                if let Some(spin) = other.nominal_spin.get_mut(*k) {
-                    *spin *= x;
-                }
-            }
-            ask(&other)
+            let spins = other.nominal_spin.iter_mut().enumerate();
+            let own = spins.filter(|(k, _)| which.contains(k));
+            own.for_each(|(_, spin)| *spin *= x);
         }
         (Place::Thrusters(which), Change::Factor(x)) => {
-            for k in which {
-                if let Some(thruster) = other.thrusters.get_mut(*k) {
-                    thruster.direction_B *= x;
-                }
-            }
-            ask(&other)
+            let thrusters = other.thrusters.iter_mut().enumerate();
+            let own = thrusters.filter(|(k, _)| which.contains(k));
+            own.for_each(|(_, thruster)| thruster.direction_B *= x);
         }
         _ => {
             let mut segments = experiment.problem.segments.to_vec();
@@ -38,9 +32,10 @@ pub(super) fn put_right<T>(
                 put_segment_right(segment, convention, experiment);
             }
             let problem = experiment.problem.with_segments(&segments);
-            ask(&experiment.with_problem(&problem))
+            return ask(&experiment.with_problem(&problem));
         }
     }
+    ask(&other)
 }
 
 fn put_segment_right(segment: &mut Segment, convention: &Convention, experiment: &Experiment) {
