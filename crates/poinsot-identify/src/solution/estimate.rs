@@ -24,27 +24,25 @@ pub enum Status {
 }
 
 impl Status {
+    /// Each with its name in the result file.
+    const ALL: [(Self, &'static str); 5] = [
+        (Self::Converged, "converged"),
+        (Self::Partial, "partial"),
+        (Self::NotIdentifiable, "not_identifiable"),
+        (Self::IterationLimit, "iteration_limit"),
+        (Self::Rejected, "rejected"),
+    ];
+
     /// Name in the result file.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Converged => "converged",
-            Self::Partial => "partial",
-            Self::NotIdentifiable => "not_identifiable",
-            Self::IterationLimit => "iteration_limit",
-            Self::Rejected => "rejected",
-        }
+        let own = Self::ALL.iter().find(|(status, _)| *status == self);
+        own.map_or("", |(_, name)| name)
     }
 
     /// The status of this name.
     pub fn named(name: &str) -> Option<Self> {
-        let all = [
-            Self::Converged,
-            Self::Partial,
-            Self::NotIdentifiable,
-            Self::IterationLimit,
-            Self::Rejected,
-        ];
-        all.into_iter().find(|status| status.name() == name)
+        let own = Self::ALL.into_iter().find(|(_, own)| *own == name);
+        own.map(|(status, _)| status)
     }
 
     /// That of an answer with these numbers, before any remark.
