@@ -66,22 +66,21 @@ impl Columns {
     /// Removes the last row read, of which some cells may have been added.
     pub(crate) fn drop_row(&mut self, row: u64) {
         self.rows_read -= 1;
-        if self.rows.last() == Some(&row) {
-            self.rows.pop();
-        }
-        let n = self.rows.len();
-        self.time_s.truncate(n);
-        self.values.iter_mut().for_each(|v| v.truncate(n));
-        self.chosen.iter_mut().for_each(|v| v.truncate(n));
+        let is_kept = self.rows.last() == Some(&row);
+        self.pick(0..self.rows.len() - usize::from(is_kept));
     }
 
-    /// Removes the first row.
-    pub(crate) fn drop_first(&mut self) {
-        let mut keep = vec![true; self.rows.len()];
-        if let Some(first) = keep.first_mut() {
-            *first = false;
+    /// Keeps these rows, in this order.
+    pub(crate) fn pick(&mut self, rows: impl Iterator<Item = usize> + Clone) {
+        fn picked<T: Copy>(v: &mut Vec<T>, rows: impl Iterator<Item = usize>) {
+            *v = rows.filter_map(|k| v.get(k).copied()).collect();
         }
-        self.retain(&keep);
+        picked(&mut self.time_s, rows.clone());
+        picked(&mut self.rows, rows.clone());
+        let values = self.values.iter_mut();
+        values.for_each(|v| picked(v, rows.clone()));
+        let chosen = self.chosen.iter_mut();
+        chosen.for_each(|v| picked(v, rows.clone()));
     }
 
     /// Takes the rows so far; later rows continue the count. The last row stays as well, so that the next part begins with
@@ -110,14 +109,6 @@ impl Columns {
         filter(&mut self.nan_cells, keep);
     }
 
-    /// Keeps the rows marked in `keep`.
-    pub(crate) fn retain(&mut self, keep: &[bool]) {
-        filter(&mut self.time_s, keep);
-        filter(&mut self.rows, keep);
-        self.values.iter_mut().for_each(|v| filter(v, keep));
-        self.chosen.iter_mut().for_each(|v| filter(v, keep));
-    }
-
     /// Sorts the rows by time; rows of one time keep their order.
     pub(crate) fn sort(&mut self) {
         if self.time_s.is_sorted() {
@@ -125,13 +116,7 @@ impl Columns {
         }
         let mut order: Vec<usize> = (0..self.time_s.len()).collect();
         order.sort_by(|a, b| self.time_s[*a].total_cmp(&self.time_s[*b]));
-        fn sorted<T: Copy>(v: &mut Vec<T>, order: &[usize]) {
-            *v = order.iter().map(|k| v[*k]).collect();
-        }
-        sorted(&mut self.time_s, &order);
-        sorted(&mut self.rows, &order);
-        self.values.iter_mut().for_each(|v| sorted(v, &order));
-        self.chosen.iter_mut().for_each(|v| sorted(v, &order));
+        self.pick(order.iter().copied());
     }
 
     /// Texts in the first filter column, and in the last one of each choice, for messages.

@@ -122,7 +122,7 @@ impl Parts<'_> {
         let strict = self.strict;
         time_base::check(self.path, plan, &mut columns, strict, &mut table.repairs)?;
         if columns.follows {
-            columns.drop_first();
+            columns.pick(1..columns.rows.len());
         }
         if columns.rows.is_empty() {
             return Ok(());

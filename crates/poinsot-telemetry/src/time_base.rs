@@ -148,7 +148,7 @@ fn join(
     if !keep.contains(&false) {
         return Ok(());
     }
-    columns.retain(&keep);
+    columns.pick((0..keep.len()).filter(|k| keep[*k]));
     let joined = "joined to the row before, which has the same time";
     let told = [
         (repeated, "dropped: the same as the row before"),
