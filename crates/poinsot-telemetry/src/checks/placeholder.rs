@@ -2,6 +2,7 @@
 
 use crate::Channel;
 use crate::median::{ends, spread};
+use poinsot_files::{as_read, counted};
 
 /// Finds a value that repeats in at least 1 % of the samples, more than 20 robust sigmas from the median.
 pub(super) fn find(channel: &Channel) -> Option<(Vec<usize>, String)> {
@@ -20,12 +21,9 @@ pub(super) fn find(channel: &Channel) -> Option<(Vec<usize>, String)> {
         .filter(|(_, x)| **x == value)
         .map(|(k, _)| k)
         .collect();
-    Some((
-        samples,
-        format!(
-            "{} occurs in {}, far from all others: probably a placeholder; write it as invalid in its column of the map, or use --policy placeholder=exclude",
-            poinsot_files::as_read(value),
-            poinsot_files::counted(count, "sample")
-        ),
-    ))
+    let (value, count) = (as_read(value), counted(count, "sample"));
+    let text = format!(
+        "{value} occurs in {count}, far from all others: probably a placeholder; write it as invalid in its column of the map, or use --policy placeholder=exclude"
+    );
+    Some((samples, text))
 }

@@ -3,6 +3,7 @@
 use super::runs::{noise_is_visible, repeats, runs};
 use crate::Channel;
 use crate::median::ends;
+use poinsot_files::as_read;
 
 /// Consecutive samples at one end of the range.
 const PLATEAU: usize = 3;
@@ -35,15 +36,11 @@ pub(super) fn find(channel: &Channel) -> Option<(Vec<usize>, String)> {
         return None;
     }
     let samples = plateaus.iter().flat_map(|&(k, n)| k..k + n).collect();
-    Some((
-        samples,
-        format!(
-            "{cut} samples are at the end of the range ({} to {} {}): the sensor is saturated",
-            poinsot_files::as_read(smallest),
-            poinsot_files::as_read(largest),
-            channel.unit
-        ),
-    ))
+    let ([smallest, largest], unit) = ([smallest, largest].map(as_read), &channel.unit);
+    let text = format!(
+        "{cut} samples are at the end of the range ({smallest} to {largest} {unit}): the sensor is saturated"
+    );
+    Some((samples, text))
 }
 
 /// Whether the curve runs into the plateau with its full slope, as one that is cut does.

@@ -3,6 +3,7 @@
 use super::runs::{Sensor, noise_is_visible, repeats, runs};
 use super::{Check, Finding};
 use crate::{Channel, Table, conventions::BIAS};
+use poinsot_files::as_read;
 
 /// Number of equal consecutive samples that excludes chance in a noisy sensor.
 const LONG: usize = 8;
@@ -58,12 +59,10 @@ fn slow(all: &[(usize, usize)], samples: usize) -> Option<(Vec<usize>, String)> 
     }
     // What rests for longer is read all the same.
     let of = |&(k, n): &(usize, usize)| (k + 1..k + n).filter(move |i| (i - k) % usual != 0);
-    Some((
-        all.iter().flat_map(of).collect(),
-        format!(
-            "each value is repeated {usual} times: the sensor is slower than its column; only the first sample of each is used"
-        ),
-    ))
+    let text = format!(
+        "each value is repeated {usual} times: the sensor is slower than its column; only the first sample of each is used"
+    );
+    Some((all.iter().flat_map(of).collect(), text))
 }
 
 /// One channel repeats a value exactly, but is noisy elsewhere.
@@ -71,31 +70,21 @@ fn hangs(channels: &[&Channel], samples: usize, sensor: &Sensor) -> Option<(Vec<
     let mut stuck: Vec<usize> = Vec::new();
     let mut names: Vec<String> = Vec::new();
     for channel in channels {
-        let own = runs(samples, |k| repeats(channel, k));
-        let long = || own.iter().filter(|r| r.1 >= LONG);
-        let outside: usize = own.iter().filter(|r| r.1 < LONG).map(|r| r.1 - 1).sum();
-        let free: Vec<f64> = own
-            .iter()
-            .filter(|r| r.1 < LONG)
-            .flat_map(|&(k, n)| channel.values.get(k..k + n).unwrap_or_default())
-            .copied()
-            .collect();
+        let own = runs(samples, |k| repeats(channel, k)).into_iter();
+        let (long, short): (Vec<_>, Vec<_>) = own.partition(|r| r.1 >= LONG);
+        let outside: usize = short.iter().map(|r| r.1 - 1).sum();
+        let free = short.iter();
+        let free = free.flat_map(|&(k, n)| channel.values.get(k..k + n).unwrap_or_default());
+        let free: Vec<f64> = free.copied().collect();
         // A quaternion is stuck only if all four components repeat.
         let noisy = free.len() >= 16
             && (outside as f64) < CHANCE * free.len() as f64
             && noise_is_visible(&free);
-        if noisy && long().next().is_some() {
-            stuck.extend(long().flat_map(|&(k, n)| k + 1..k + n));
-            names.push(format!(
-                "{} at {}",
-                channel.name,
-                long()
-                    .filter_map(|&(k, _)| channel.values.get(k))
-                    .take(3)
-                    .map(|x| poinsot_files::as_read(*x))
-                    .collect::<Vec<_>>()
-                    .join(", ")
-            ));
+        if noisy && !long.is_empty() {
+            stuck.extend(long.iter().flat_map(|&(k, n)| k + 1..k + n));
+            let values = long.iter().filter_map(|&(k, _)| channel.values.get(k));
+            let values: Vec<String> = values.take(3).map(|x| as_read(*x)).collect();
+            names.push(format!("{} at {}", channel.name, values.join(", ")));
         }
     }
     if names.is_empty() || (sensor.is_attitude && names.len() < 4) {
@@ -103,13 +92,11 @@ fn hangs(channels: &[&Channel], samples: usize, sensor: &Sensor) -> Option<(Vec<
     }
     stuck.sort_unstable();
     stuck.dedup();
-    Some((
-        stuck,
-        format!(
-            "{} repeats exactly {LONG} times or more, although it is noisy elsewhere: the sensor is stuck",
-            names.join("; ")
-        ),
-    ))
+    let text = format!(
+        "{} repeats exactly {LONG} times or more, although it is noisy elsewhere: the sensor is stuck",
+        names.join("; ")
+    );
+    Some((stuck, text))
 }
 
 /// An attitude that repeats exactly while the gyro turns as elsewhere.
