@@ -1,7 +1,6 @@
 //! The first lines of a text file: layout, header, units and the first row.
 
-use poinsot_telemetry::{Unit, parse_unit};
-use std::fmt::Write;
+use poinsot_telemetry::{Layout, Unit, parse_unit};
 use std::io::Read;
 use std::path::Path;
 
@@ -11,10 +10,8 @@ const LINES: usize = 200;
 
 /// The parsed first lines of a file.
 pub(crate) struct FileHead {
-    comment: Option<char>,
-    delimiter: char,
-    /// Line of the header, where it is not the first that is no comment.
-    header_row: Option<usize>,
+    /// What differs from the default.
+    layout: Layout,
     pub header: Vec<String>,
     /// Unit of each column, where the row below the header names units.
     pub units: Option<Vec<Option<Unit>>>,
@@ -83,10 +80,19 @@ impl FileHead {
         let above = lines.iter().take(line.saturating_sub(1));
         let plain_above = above.filter(|l| behind || !is_comment(l)).count();
         let of_header = behind && comment == Some('#');
+        let delimiter = match delimiter {
+            '\t' => "tab".to_owned(),
+            other => other.to_string(),
+        };
+        let layout = Layout {
+            comment: comment.filter(|_| !behind).map(String::from),
+            delimiter: Some(delimiter).filter(|mark| mark != ","),
+            header_row: (plain_above > 0 || of_header).then_some(line as u64),
+            decimal: None,
+            units_row: units.is_some().then_some(true),
+        };
         Some(Self {
-            comment: comment.filter(|_| !behind),
-            delimiter,
-            header_row: (plain_above > 0 || of_header).then_some(line),
+            layout,
             header,
             units,
             first: row,
@@ -95,24 +101,8 @@ impl FileHead {
 
     /// The keys of the layout that differ from the default.
     pub fn layout(&self) -> String {
-        let mut out = String::new();
-        if let Some(comment) = self.comment {
-            let _ = writeln!(out, "comment = {}", quoted(&comment.to_string()));
-        }
-        match self.delimiter {
-            ',' => {}
-            '\t' => out.push_str("delimiter = \"tab\"\n"),
-            other => {
-                let _ = writeln!(out, "delimiter = {}", quoted(&other.to_string()));
-            }
-        }
-        if let Some(line) = self.header_row {
-            let _ = writeln!(out, "header_row = {line}");
-        }
-        if self.units.is_some() {
-            out.push_str("units_row = true\n");
-        }
-        out
+        let keys = toml::Table::try_from(&self.layout).unwrap_or_default();
+        toml::to_string(&keys).unwrap_or_default()
     }
 
     /// A cell of the first row.

@@ -35,12 +35,11 @@ pub fn init(files: &[PathBuf], urdf: Option<&Path>, options: &ReadOptions) -> Re
         .map(|urdf| read_robot(urdf, &UrdfOptions::default()))
         .transpose()?;
     let own = robot.as_ref().map(of_parts).unwrap_or_default();
-    let heads = files.iter().filter_map(|path| Proposal::of(path, &own));
-    let mut proposals: Vec<Proposal> = heads.collect();
+    let mut proposals = Proposal::of_all(files, &own);
     if let Some(robot) = &robot {
         proposals.iter_mut().for_each(|p| p.name_joints(robot));
     }
-    let mut survey = Survey::with(files, options, proposals)?;
+    let mut survey = Survey::of(files, options, proposals)?;
     let parts = Parts::of(&survey, robot.as_ref());
     survey.proposals.iter_mut().for_each(|p| p.ask_less(&parts));
     if let (None, Some(joint)) = (&robot, parts.joints.first()) {

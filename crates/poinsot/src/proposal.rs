@@ -6,7 +6,7 @@ use poinsot_telemetry::{
     Dimension, Found, FoundAttitude, Kind, Recognition, Unit, classify, recognise,
 };
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Range of numbers that are seconds since 1970 in 2001 to 2096, also in ms, us, ns.
 const UNIX: (f64, f64) = (1.0e9, 4.0e9);
@@ -44,6 +44,8 @@ pub(crate) struct Line {
     pub key: String,
     pub kind: Kind,
     pub columns: Vec<String>,
+    /// The sensor of an attitude; empty if there is only one.
+    pub sensor: String,
     /// What is certain.
     fixed: String,
     pub choices: Vec<Choice>,
@@ -51,17 +53,22 @@ pub(crate) struct Line {
 }
 
 impl Line {
+    /// A line without choices; `fixed` is what is certain.
+    fn of(key: &str, kind: Kind, columns: Vec<String>, fixed: String) -> Self {
+        Self {
+            key: key.to_owned(),
+            kind,
+            columns,
+            sensor: String::new(),
+            fixed,
+            choices: Vec::new(),
+            note: "",
+        }
+    }
+
     /// A choice by its key.
     pub fn choice(&mut self, key: &str) -> Option<&mut Choice> {
         self.choices.iter_mut().find(|choice| choice.key == key)
-    }
-
-    /// Whether this is the attitude of a sensor, given as the map writes it.
-    pub fn is_of(&self, sensor: Option<&str>) -> bool {
-        match sensor {
-            Some(sensor) => self.fixed.starts_with(sensor),
-            None => !self.fixed.starts_with("sensor"),
-        }
     }
 
     /// Whether a value is missing that has no likely one.
@@ -82,15 +89,19 @@ impl Line {
             let _ = write!(keys, "{comma}{} = {value}", choice.key);
         }
         let open = self.choices.iter().filter(|choice| !choice.sure);
-        let open: Vec<&str> = open.map(|choice| choice.question.as_str()).collect();
-        let sign = if asked { "?" } else { "unsure:" };
+        let open = open.map(|choice| choice.question.as_str());
         let shown = self.choices.iter().filter(|choice| choice.shown);
-        let shown: Vec<&str> = shown.map(|choice| choice.key).collect();
-        let comment = match (open.is_empty(), self.note) {
-            (true, "") if shown.is_empty() => String::new(),
-            (true, "") => format!("   # {} by comparison with the gyro", shown.join(", ")),
-            (true, note) => format!("   # {note}"),
-            (false, _) => format!("   # {sign} {}", open.join("; ")),
+        let shown = shown.map(|choice| choice.key);
+        let [open, shown] = [
+            open.collect::<Vec<_>>().join("; "),
+            shown.collect::<Vec<_>>().join(", "),
+        ];
+        let sign = if asked { "?" } else { "unsure:" };
+        let comment = match (open.as_str(), self.note, shown.as_str()) {
+            ("", "", "") => String::new(),
+            ("", "", shown) => format!("   # {shown} by comparison with the gyro"),
+            ("", note, _) => format!("   # {note}"),
+            (open, ..) => format!("   # {sign} {open}"),
         };
         (format!("{{ {keys} }}"), escaped(&comment).to_string())
     }
@@ -107,9 +118,14 @@ pub(crate) struct Proposal {
 }
 
 impl Proposal {
-    /// The table of a file; `None` if its head cannot be read. A column named in `own` is that of a joint, wheel or
-    /// thruster of the model.
-    pub fn of(path: &Path, own: &[String]) -> Option<Self> {
+    /// The tables of the files whose heads can be read. A column named in `own` is that of a joint, wheel or thruster of
+    /// the model.
+    pub fn of_all(files: &[PathBuf], own: &[String]) -> Vec<Self> {
+        let tables = files.iter().filter_map(|path| Self::of(path, own));
+        tables.collect()
+    }
+
+    fn of(path: &Path, own: &[String]) -> Option<Self> {
         let head = FileHead::read(path)?;
         let units = head.units.clone().unwrap_or_default();
         let found = recognise(&head.header, &units);
@@ -199,13 +215,13 @@ fn list_of(dimension: Option<Dimension>) -> &'static str {
 
 impl FileHead {
     fn time(&self, all: &Recognition) -> Option<Line> {
-        let line = |column: &str, more: String, note| Line {
-            key: "time".to_owned(),
-            kind: Kind::Time,
-            columns: vec![column.to_owned()],
-            fixed: format!("column = {}{more}", quoted(column)),
-            choices: Vec::new(),
-            note,
+        let line = |column: &str, more: &str, note| {
+            let fixed = format!("column = {}{more}", quoted(column));
+            let columns = vec![column.to_owned()];
+            Line {
+                note,
+                ..Line::of("time", Kind::Time, columns, fixed)
+            }
         };
         let upper: Vec<String> = self.header.iter().map(|h| h.to_uppercase()).collect();
         let named = |names: &[&str]| {
@@ -217,7 +233,7 @@ impl FileHead {
             named(&["TOW", "GPS_TOW", "SOW", "GPS_SECONDS"]),
         ) {
             let more = format!(", format = \"gps_week\", week = {}", quoted(week));
-            return Some(line(seconds, more, ""));
+            return Some(line(seconds, &more, ""));
         }
         let dated = (0..self.header.len()).find_map(|k| Some((k, date_format(self.cell(k))?)));
         if let Some((column, format)) = dated {
@@ -231,7 +247,7 @@ impl FileHead {
                 (None, false) => (String::new(), "no zone is written, UTC is assumed"),
             };
             let more = format!(", format = \"{format}\"{scale}");
-            return Some(line(self.header.get(column)?, more, note));
+            return Some(line(self.header.get(column)?, &more, note));
         }
         let question = format!("unit of the times: {}", list_of(Some(Dimension::Time)));
         let Some(found) = all.channels.iter().find(|f| f.kind == Kind::Time) else {
@@ -239,11 +255,9 @@ impl FileHead {
                 Choice::new("column", "", false, "column of the time"),
                 Choice::new("unit", "", false, question),
             ];
-            let empty = line("", String::new(), "");
             return Some(Line {
-                fixed: String::new(),
                 choices,
-                ..empty
+                ..Line::of("time", Kind::Time, Vec::new(), String::new())
             });
         };
         let name = self.header.get(found.column)?;
@@ -264,10 +278,9 @@ impl FileHead {
             (None, unit) => ("", "", unit),
         };
         let choice = Choice::new("unit", unit.unwrap_or("s"), unit.is_some(), question);
-        let line = line(name, more.to_owned(), note);
         Some(Line {
             choices: vec![choice],
-            ..line
+            ..line(name, more, note)
         })
     }
 
@@ -288,40 +301,36 @@ impl FileHead {
         let unit = first.and_then(|f| f.unit).map(|unit| unit.symbol);
         let of = columns.join(", ");
         let mut choices = Vec::new();
+        let mut ask = |key, word: &str, sure, question: String| {
+            choices.push(Choice::new(key, word, sure, question));
+        };
         let form = match found.kind {
             Kind::Euler => {
                 let question = format!("sequence of the angles {of}, such as \"ZYX\"");
-                choices.push(Choice::new("sequence", "ZYX", false, question));
+                ask("sequence", "ZYX", false, question);
                 let question = format!("unit of {of}: {}", list_of(Some(Dimension::Angle)));
-                choices.push(Choice::new(
-                    "unit",
-                    unit.unwrap_or("rad"),
-                    unit.is_some(),
-                    question,
-                ));
+                ask("unit", unit.unwrap_or("rad"), unit.is_some(), question);
                 "euler"
             }
             Kind::Rodrigues => "mrp",
             _ => {
                 let question = format!("order of {of}: \"wxyz\" (scalar first) or \"xyzw\"");
-                choices.push(Choice::new("order", "xyzw", found.named, question));
+                ask("order", "xyzw", found.named, question);
                 "quaternion"
             }
         };
         let question = format!("sense of {of}: \"body_to_inertial\" or \"inertial_to_body\"");
-        choices.push(Choice::new("sense", "body_to_inertial", false, question));
+        ask("sense", "body_to_inertial", false, question);
         let list: Vec<String> = columns.iter().map(|c| quoted(c)).collect();
         let sensor = match found.sensor.as_str() {
             "" => String::new(),
             sensor => format!("sensor = {}, ", quoted(sensor)),
         };
+        let fixed = format!("{sensor}{form} = [{}]", list.join(", "));
         Some(Line {
-            key: "attitude".to_owned(),
-            kind: found.kind,
-            columns,
-            fixed: format!("{sensor}{form} = [{}]", list.join(", ")),
+            sensor: found.sensor.clone(),
             choices,
-            note: "",
+            ..Line::of("attitude", found.kind, columns, fixed)
         })
     }
 
@@ -362,13 +371,10 @@ impl FileHead {
             let question = format!("force of {name} while it is on, N");
             choices.push(Choice::new("nominal_N", "", false, question));
         }
+        let fixed = format!("column = {}", quoted(name));
         Some(Line {
-            key: found.channel.clone(),
-            kind: found.kind,
-            columns: vec![name.clone()],
-            fixed: format!("column = {}", quoted(name)),
             choices,
-            note: "",
+            ..Line::of(&found.channel, found.kind, vec![name.clone()], fixed)
         })
     }
 }

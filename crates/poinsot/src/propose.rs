@@ -4,8 +4,9 @@ use crate::bind::{mountings, spin_inertias};
 use crate::channel_names;
 use crate::error::Error;
 use crate::identify::repair::Refusal;
+use crate::proposal::Proposal;
 use crate::propose_sensors::proposed_sensors;
-use crate::survey::Survey;
+use crate::survey::{Survey, likely};
 use poinsot_figures::{Section, TextStyle};
 use poinsot_formats::{INSPECTION, StatedFile};
 use poinsot_model::{TelemetryMap, read_model, read_telemetry_map};
@@ -55,9 +56,8 @@ pub fn inspect(
     let (inspection, proposed_map) = match described {
         true => (inspect_files(files, &options)?, None),
         false => {
-            let survey = Survey::of(files, &options, &own)?;
-            let map = survey.likely_map();
-            (survey.inspection, map)
+            let survey = Survey::of(files, &options, Proposal::of_all(files, &own))?;
+            (survey.inspection, likely(&survey.proposals))
         }
     };
     let next = match model {
@@ -178,8 +178,10 @@ mod tests {
     use super::*;
 
     fn proposed(path: &Path, own: &[String]) -> Option<String> {
-        let survey = Survey::of(&[path.to_owned()], &ReadOptions::default(), own);
-        survey.unwrap().likely_map()
+        let files = [path.to_owned()];
+        let proposals = Proposal::of_all(&files, own);
+        let survey = Survey::of(&files, &ReadOptions::default(), proposals);
+        likely(&survey.unwrap().proposals)
     }
 
     #[test]

@@ -22,14 +22,8 @@ pub(crate) struct Survey {
 }
 
 impl Survey {
-    /// Reads the files of one record. A column named in `own` is that of a joint, wheel or thruster of the model.
-    pub fn of(files: &[PathBuf], options: &ReadOptions, own: &[String]) -> Result<Self, Error> {
-        let heads = files.iter().filter_map(|path| Proposal::of(path, own));
-        Self::with(files, options, heads.collect())
-    }
-
-    /// The same with proposals that may have been changed.
-    pub fn with(
+    /// Reads the files of one record with the maps that are proposed.
+    pub fn of(
         files: &[PathBuf],
         options: &ReadOptions,
         mut proposals: Vec<Proposal>,
@@ -45,11 +39,9 @@ impl Survey {
             }
         };
         for _ in 0..CHANGES {
-            let mut changed = false;
-            for test in &inspection.conventions {
-                changed |= settle(&mut proposals, test);
-            }
-            if !changed {
+            let tests = inspection.conventions.iter();
+            let changes = tests.filter(|test| settle(&mut proposals, test));
+            if changes.count() == 0 {
                 break;
             }
             inspection = read(files, options, &proposals)?;
@@ -64,14 +56,10 @@ impl Survey {
     pub fn lines(&self) -> impl Iterator<Item = &Line> {
         self.proposals.iter().flat_map(|p| &p.lines)
     }
-
-    /// The map with what is likely; `None` where all names are standard.
-    pub fn likely_map(&self) -> Option<String> {
-        likely(&self.proposals)
-    }
 }
 
-fn likely(proposals: &[Proposal]) -> Option<String> {
+/// The map with what is likely; `None` where all names are standard.
+pub(crate) fn likely(proposals: &[Proposal]) -> Option<String> {
     let written = proposals.iter().filter(|p| !p.is_plain());
     let tables: Vec<String> = written.map(|p| p.text(false, false)).collect();
     (!tables.is_empty()).then(|| tables.join("\n"))
@@ -89,21 +77,6 @@ fn read(
     inspect_files(files, &options)
 }
 
-impl Proposal {
-    /// The lines of the attitude, the gyro and the times of a test.
-    fn tested(&mut self, [attitude, gyro]: &[String; 2]) -> impl Iterator<Item = &mut Line> {
-        let sensor = attitude.strip_suffix(".q_x..q_w");
-        let sensor = sensor.map(|sensor| format!("sensor = \"{sensor}\","));
-        let gyro = gyro.strip_suffix("x..z").unwrap_or_default().to_owned();
-        let own = move |line: &&mut Line| match line.key.as_str() {
-            "time" => true,
-            "attitude" => line.is_of(sensor.as_deref()),
-            channel => line.kind == Kind::Rate && channel.starts_with(&gyro),
-        };
-        self.lines.iter_mut().filter(own)
-    }
-}
-
 /// Takes what a test of an attitude against a gyro says about what is unsure; returns whether the map changed.
 fn settle(proposals: &mut [Proposal], test: &ConventionTest) -> bool {
     // A gyro of another body or in other axes settles nothing.
@@ -111,10 +84,20 @@ fn settle(proposals: &mut [Proposal], test: &ConventionTest) -> bool {
     let (Some(only), None, "attitude") = (good.next(), good.next(), test.kinds[0]) else {
         return false;
     };
+    // The attitude, the gyro and the times of the test.
+    let [attitude, gyro] = &test.between;
+    let sensor = attitude.strip_suffix(".q_x..q_w").unwrap_or_default();
+    let gyro = gyro.strip_suffix("x..z").unwrap_or_default();
+    let own = |line: &&mut Line| match line.key.as_str() {
+        "time" => true,
+        "attitude" => line.sensor == sensor,
+        channel => line.kind == Kind::Rate && channel.starts_with(gyro),
+    };
     let repairs = only.repairs();
     let fits = test.verdict == Verdict::DeclaredFits && only.is_declared();
     let mut changed = false;
-    for line in proposals.iter_mut().flat_map(|p| p.tested(&test.between)) {
+    let lines = proposals.iter_mut().flat_map(|p| &mut p.lines);
+    for line in lines.filter(own) {
         let kind = line.kind;
         for choice in line.choices.iter_mut().filter(|choice| !choice.sure) {
             choice.sure = fits;
