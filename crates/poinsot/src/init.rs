@@ -59,11 +59,7 @@ pub fn init(files: &[PathBuf], urdf: Option<&Path>, options: &ReadOptions) -> Re
             out.push_str(&block(table, &[("name", name), ("body", base)]));
         }
     }
-    let sensors = Sensors {
-        survey: &survey,
-        parts: &parts,
-    };
-    sensors.write(&mut out);
+    survey.write_sensors(&parts, &mut out);
     write_map(&survey, &mut out);
     Ok(Draft { text: out })
 }
@@ -127,6 +123,21 @@ impl Parts {
         !self.thrusters.is_empty() || !self.joints.is_empty()
     }
 
+    /// What a sensor needs that no file says.
+    fn missing(&self, of: &SensorChannels<'_>) -> Option<&'static str> {
+        let far = |c: &&ChannelSummary| c.max.abs().max(c.min.abs()) > ORBIT;
+        match of.kind {
+            SensorKind::Gyro | SensorKind::Attitude => None,
+            kind if kind.is_scalar() => None,
+            kind if kind.is_relative() => Some("the bodies: body and seen_from"),
+            SensorKind::Direction => Some("the measured vector in inertial axes, reference_N"),
+            SensorKind::Accelerometer => Some("its position, position_m"),
+            SensorKind::Position if of.channels.iter().any(far) => Some("gravity in [environment]"),
+            _ if !self.shows_mass() => Some("a thruster or a joint: nothing else changes it"),
+            _ => None,
+        }
+    }
+
     fn vehicle(&self) -> String {
         let (com, estimate) = match (self.thrusters.is_empty(), self.moves) {
             (true, _) => ("com known", r#"["inertia"]"#),
@@ -172,52 +183,38 @@ fn robot_text(robot: &Model, parts: &Parts) -> String {
     out
 }
 
-/// The sensors and their noise.
-struct Sensors<'a> {
-    survey: &'a Survey,
-    parts: &'a Parts,
-}
-
-impl Sensors<'_> {
-    fn write(&self, out: &mut String) {
-        let inspection = &self.survey.inspection;
-        let complete = |s: &&SensorChannels<'_>| s.channels.len() == s.kind.columns().len();
-        let vectors = vector_sensors(inspection);
-        let vectors = vectors.iter().filter(complete);
-        vectors.for_each(|sensor| self.sensor(sensor, out));
-        for (kind, slides) in [
-            (SensorKind::WheelSpeed, false),
-            (SensorKind::JointPosition, false),
-            (SensorKind::JointPosition, true),
-            (SensorKind::JointRate, false),
-            (SensorKind::JointRate, true),
-        ] {
-            let parts = match kind {
-                SensorKind::WheelSpeed => &self.parts.wheels,
-                _ => &self.parts.joints,
-            };
+impl Survey {
+    /// The sensors and their noise.
+    fn write_sensors(&self, parts: &Parts, out: &mut String) {
+        let channels = &self.inspection.channels;
+        let complete = |s: &SensorChannels<'_>| s.channels.len() == s.kind.columns().len();
+        let vectors = vector_sensors(&self.inspection).into_iter();
+        let vectors = vectors.filter(complete);
+        let joints = [SensorKind::JointPosition, SensorKind::JointRate].into_iter();
+        let joints = joints.flat_map(|kind| [(kind, false), (kind, true)]);
+        let joints = joints.map(|(kind, slides)| (kind, slides, &parts.joints));
+        let wheels = std::iter::once((SensorKind::WheelSpeed, false, &parts.wheels));
+        let of_parts = wheels.chain(joints).map(|(kind, slides, parts)| {
             let unit = kind.unit(slides);
             let names: Vec<String> = parts.iter().map(|part| format!("{part}_{unit}")).collect();
-            let own = inspection
-                .channels
-                .iter()
-                .filter(|c| names.contains(&c.name));
-            let sensor = SensorChannels {
+            let own = channels.iter().filter(|c| names.contains(&c.name));
+            SensorChannels {
                 name: format!("{}{}", kind.word(), if slides { "_m" } else { "" }),
                 kind,
                 slides,
                 channels: own.collect(),
-            };
-            if !sensor.channels.is_empty() {
-                self.sensor(&sensor, out);
             }
+        });
+        let of_parts = of_parts.filter(|sensor| !sensor.channels.is_empty());
+        for sensor in vectors.chain(of_parts) {
+            self.write_sensor(parts, &sensor, out);
         }
     }
 
-    fn sensor(&self, of: &SensorChannels<'_>, out: &mut String) {
+    fn write_sensor(&self, parts: &Parts, of: &SensorChannels<'_>, out: &mut String) {
         let (kind, channels) = (of.kind, &of.channels);
         let table = |last| [("name", of.name.as_str()), ("type", kind.word()), last];
-        if let Some(missing) = self.missing(of) {
+        if let Some(missing) = parts.missing(of) {
             out.push_str(&block("unused", &table(("missing", missing))));
             return;
         }
@@ -234,31 +231,16 @@ impl Sensors<'_> {
             line = format!("of = {:?}\n{line}", joints.collect::<Vec<_>>());
         }
         out.push_str(&block("sensor", &table(("line", &line))));
-        let mut all = self.survey.inspection.channels.iter();
+        let mut all = self.inspection.channels.iter();
         if kind == SensorKind::Gyro && all.any(|c| owner(c).1 == "q_w") {
             out.push_str(&block("gyro", &[]));
-        }
-    }
-
-    /// What a sensor needs that no file says.
-    fn missing(&self, of: &SensorChannels<'_>) -> Option<&'static str> {
-        let far = |c: &&ChannelSummary| c.max.abs().max(c.min.abs()) > ORBIT;
-        match of.kind {
-            SensorKind::Gyro | SensorKind::Attitude => None,
-            kind if kind.is_scalar() => None,
-            kind if kind.is_relative() => Some("the bodies: body and seen_from"),
-            SensorKind::Direction => Some("the measured vector in inertial axes, reference_N"),
-            SensorKind::Accelerometer => Some("its position, position_m"),
-            SensorKind::Position if of.channels.iter().any(far) => Some("gravity in [environment]"),
-            _ if !self.parts.shows_mass() => Some("a thruster or a joint: nothing else changes it"),
-            _ => None,
         }
     }
 
     /// Whether the unit of a channel is a question.
     fn is_open(&self, channels: &[&ChannelSummary]) -> bool {
         let open = |line: &&Line| line.choices.iter().any(|c| c.key == "unit" && !c.sure);
-        let mut lines = self.survey.lines().filter(open);
+        let mut lines = self.lines().filter(open);
         lines.any(|line| channels.iter().any(|c| c.name == line.key))
     }
 }
