@@ -135,7 +135,7 @@ pub(crate) fn of_fast_record(model: &Model, tables: &[Table]) -> Option<Finding>
         let right = put_right(change);
         // Most are wrong from the beginning.
         explained(model, &beginning(&right, BEGINNING))?;
-        let off = explained(model, &right)?.off?;
+        let off = explained(model, &right).filter(|off| off.is_finite())?;
         let nearest = !matches!(change, Change::Factor(x) if off > 0.5 * x.ln().abs());
         nearest.then_some((off, change))
     };
@@ -199,16 +199,11 @@ fn beginning(tables: &[Table], samples: f64) -> Vec<Table> {
     all
 }
 
-/// A fit that explains its tables.
-struct Explained {
-    /// How far the moments of inertia are from the nominal ones, as the largest logarithm of their ratio: a spin about one axis fits
-    /// with any factor of its rate, and its moment tells which. `None` where none is determined.
-    off: Option<f64>,
-}
-
-/// `None` where chi-square is not small, also compared with that of the rates themselves, as rates below the declared noise fit any
-/// model.
-fn explained(model: &Model, tables: &[Table]) -> Option<Explained> {
+/// How far the moments of inertia of a fit are from the nominal ones, as the largest logarithm of their ratio: a spin about one axis
+/// fits with any factor of its rate, and its moment tells which. Infinite where none is determined; `None` where the fit does not
+/// explain its tables: chi-square is not small, also compared with that of the rates themselves, as rates below the declared noise
+/// fit any model.
+fn explained(model: &Model, tables: &[Table]) -> Option<f64> {
     let settings = Settings {
         undiagnosed: true,
         ..Settings::default()
@@ -222,8 +217,8 @@ fn explained(model: &Model, tables: &[Table]) -> Option<Explained> {
         let asked = found.bodies.iter().filter(|b| b.asked);
         let moments = asked.flat_map(|b| MOMENTS.map(|k| factor(b, k)));
         let off = moments.flatten().map(f64::abs).reduce(f64::max);
-        let off = off.filter(|_| answered);
-        Ok((explains && left < settings.rejection).then_some(Explained { off }))
+        let off = off.filter(|_| answered).unwrap_or(f64::INFINITY);
+        Ok((explains && left < settings.rejection).then_some(off))
     };
     solve(model, tables, RELATIVE_ACCURACY, asked).ok()?
 }
