@@ -107,7 +107,7 @@ impl<'a> Baseline<'a> {
         let more: Vec<&Row> = more.iter().collect();
         let (block, size) = self.block(&self.stacked(condensed, &more));
         let accuracy = self.problem.largest_sigma();
-        identified(&block, &self.coordinates.natural, (size, accuracy))
+        identified(&block, &self.coordinates.natural, size, accuracy)
     }
 
     /// Triangle of rows.
@@ -229,7 +229,7 @@ impl Coordinates {
 
 /// Number of directions that [`Spectrum::new`] identifies of a triangle: by the singular values alone, which take a fraction of the
 /// time. Given are also the length of the longest column and the accuracy, natural units.
-fn identified(r: &Mat<f64>, natural: &[f64], (size, accuracy): (f64, f64)) -> usize {
+fn identified(r: &Mat<f64>, natural: &[f64], size: f64, accuracy: f64) -> usize {
     let n = natural.len();
     let scaled = Mat::from_fn(n, n, |i, j| r[(i, j)] * natural[j]);
     let is_finite = (0..n).all(|j| (0..n).all(|i| scaled[(i, j)].is_finite()));
@@ -297,7 +297,7 @@ mod tests {
                 };
                 let longest = (0..n).map(length).fold(0.0, f64::max);
                 let spectrum = Spectrum::new(&r, &natural, None, longest, 1.0).unwrap();
-                let count = identified(&r, &natural, (longest, 1.0));
+                let count = identified(&r, &natural, longest, 1.0);
                 assert_eq!(count, spectrum.rank, "{rows} {size}");
                 found.insert(count);
             }
