@@ -55,6 +55,12 @@ pub trait LeastSquares {
         damping: f64,
     ) -> Step<Self::Iterate>;
 
+    /// Whether a step is damped where the full one fails; otherwise the fit ends there.
+    fn damps(&self, here: &Linearised<Self::Rows>) -> bool {
+        let _ = here;
+        true
+    }
+
     /// Whether to continue at this pace.
     fn should_continue(&self, here: &Linearised<Self::Rows>, pace: Pace) -> bool {
         let _ = (here, pace);
@@ -219,6 +225,9 @@ pub fn levenberg_marquardt<P: LeastSquares>(
                 full = (damping == 0.0).then_some(here.predicted_reduction);
                 break;
             }
+            if !problem.damps(&here) {
+                break;
+            }
             damping = f64::max(growth * damping, felt);
             growth *= 2.0;
         }
@@ -312,7 +321,8 @@ fn full_steps<P: LeastSquares>(
         return Some((step.to, there, gain));
     }
     let mut step = step;
-    for _ in 0..=AHEAD {
+    let ahead = if problem.damps(here) { AHEAD } else { 0 };
+    for _ in 0..=ahead {
         if step.acceleration_ratio > LARGEST_ACCELERATION_RATIO {
             return None;
         }
@@ -587,6 +597,65 @@ mod tests {
             problem.derivatives.get()
         });
         assert_eq!((all, fewer), (4, 2));
+    }
+
+    /// Residual `atan(x)`: full steps from beyond 1.39 lead further and further away.
+    struct Flat {
+        damps: bool,
+    }
+
+    impl LeastSquares for Flat {
+        type Iterate = f64;
+        type Rows = ();
+
+        fn cost(&self, x: &f64) -> Option<f64> {
+            Some(x.atan().powi(2))
+        }
+
+        fn linearise(&self, x: &f64) -> Option<Linearised<()>> {
+            let cost = x.atan().powi(2);
+            Some(Linearised {
+                cost,
+                round_off: 1.0e-15,
+                slack: 1.0e-15,
+                predicted_reduction: cost,
+                smallest_singular_value: 1.0 / (1.0 + x * x),
+                rows: (),
+            })
+        }
+
+        fn converged(&self, _: &f64, here: &Linearised<()>) -> bool {
+            here.predicted_reduction < SETTLED
+        }
+
+        fn damps(&self, _: &Linearised<()>) -> bool {
+            self.damps
+        }
+
+        fn step(&self, x: &f64, _: &Linearised<()>, damping: f64) -> Step<f64> {
+            let slope = 1.0 / (1.0 + x * x);
+            let d = -slope * x.atan() / (slope * slope + damping);
+            Step {
+                to: x + d,
+                predicted_reduction: x.atan().powi(2) - (x.atan() + slope * d).powi(2),
+                acceleration_ratio: 0.0,
+            }
+        }
+    }
+
+    #[test]
+    fn exact_a_fit_within_the_linear_range_ends_where_a_full_step_fails() {
+        for (start, damps, end) in [
+            (1.0, false, End::Converged),
+            (3.0, false, End::NoLowerCost),
+            (3.0, true, End::Converged),
+        ] {
+            let problem = Flat { damps };
+            let here = problem.linearise(&start).expect("defined everywhere");
+            let minimum = levenberg_marquardt(&problem, start, here, 60);
+            assert_eq!(minimum.end, end, "{start} {damps}");
+            assert!(damps || minimum.end == End::Converged || minimum.at == start);
+        }
     }
 
     #[test]

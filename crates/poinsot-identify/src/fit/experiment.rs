@@ -57,6 +57,8 @@ pub(crate) struct Experiment<'a> {
     pub only_near: bool,
     /// Whether the readings of a beginning count little at first, and its unknowns are held about their nominal values.
     pub tempers: bool,
+    /// Whether fits far from an answer take full steps alone.
+    pub full_steps: bool,
     /// How many times as large as declared a mean square of white noise in the readings is taken to be where a search judges
     /// whether a start is far; 1 as declared.
     pub scatter: f64,
@@ -105,6 +107,7 @@ impl<'a> Experiment<'a> {
             known: None,
             only_near: false,
             tempers: false,
+            full_steps: false,
             scatter: 1.0,
             keep_rows: false,
             smooth_inputs: false,
@@ -129,6 +132,14 @@ impl<'a> Experiment<'a> {
     pub fn under(&self, wheels: BetweenSamples) -> Self {
         Self {
             wheels,
+            ..self.clone()
+        }
+    }
+
+    /// The same experiment, whose fits end where a full step fails far from an answer: the prediction is not linear there.
+    pub fn within_linear_range(&self) -> Self {
+        Self {
+            full_steps: true,
             ..self.clone()
         }
     }

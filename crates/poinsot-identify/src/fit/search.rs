@@ -1,9 +1,9 @@
 //! The search for the minimum: one procedure for every start.
 //!
-//! The nominal numbers and the linear solution both start, the better one by likelihood. Where a fit from it does not
-//! explain the record, the start is too far: the prediction leaves the range in which it is linear in the unknowns, and
-//! chi-square has many minima (a phase of nutation that is wrong by turns). The record is then followed: its longest beginning
-//! that a start explains is fitted, and extended by a factor as long as the prediction of each fit leads to the next one
+//! The nominal numbers and the linear solution both start, the better one by likelihood. Where a full step from it fails, the
+//! start is too far: the prediction leaves the range in which it is linear in the unknowns, and chi-square has many minima (a
+//! phase of nutation that is wrong by turns). The record is then followed: the longest beginning is fitted over which full steps
+//! lead from a start to numbers that explain it, and extended by a factor as long as the prediction of each fit leads to the next one
 //! (a homotopy in the length of the record; Voss, Timmer and Kurths 2004 extend by multiple shooting). Readings of a beginning
 //! count as little at first as their misfit asks, and more from fit to fit, and what a beginning does not tell is held about the
 //! nominal numbers: first steps from far away carry it off, as the scale of a tensor before the first pulse. Where this leads no
@@ -131,39 +131,40 @@ pub(super) fn search(experiment: &Experiment, starts: &[Iterate]) -> Option<Fitt
 }
 
 fn search_once(experiment: &Experiment, starts: &[Iterate]) -> Option<Fitted> {
-    let direct = from_better(experiment, starts);
+    let direct = from_better(&experiment.within_linear_range(), starts);
+    let direct = direct.filter(|d| d.converged || d.explains);
     if direct.as_ref().is_some_and(|d| d.converged && d.explains) {
         return direct;
     }
     let path = follow(experiment, starts, false);
-    let onward = match (path.end, path.at) {
-        (Search::Lost(share), at) => {
-            let found = direct.or_else(|| fit_from(experiment, at?, 0))?;
-            if found.explains {
-                return Some(found);
-            }
-            // What no motion over a few samples explains is no matter of the start.
-            let is_told = share == 0.0 && found.settled;
-            return Some(Fitted {
-                search: [path.end, Search::Contradicted][usize::from(is_told)],
-                converged: found.converged && is_told,
-                ..found
-            });
-        }
-        (_, Some(at)) => fit_from(experiment, at, ITERATIONS),
-        (_, None) => direct
-            .as_ref()
-            .and_then(|d| fit_from(experiment, d.at.clone(), ITERATIONS)),
+    let is_lost = matches!(path.end, Search::Lost(_));
+    let onward = match path.at {
+        Some(at) => fit_from(experiment, at, if is_lost { 0 } else { ITERATIONS }),
+        None => from_better(experiment, starts),
     };
+    let found = best(experiment, direct.into_iter().chain(onward))?;
+    if is_lost && found.explains {
+        return Some(found);
+    }
+    // What no motion over a few samples explains is no matter of the start.
+    let is_told = path.end == Search::Lost(0.0) && found.settled;
+    Some(Fitted {
+        search: if is_told {
+            Search::Contradicted
+        } else {
+            path.end
+        },
+        converged: found.converged && (is_told || !is_lost),
+        ..found
+    })
+}
+
+/// The fit of the smallest cost, one that can contradict the model first.
+fn best(experiment: &Experiment, fits: impl Iterator<Item = Fitted>) -> Option<Fitted> {
     let cost = |found: &Fitted| (!found.settled, experiment.cost_of(found));
-    let both = direct.into_iter().chain(onward);
-    let best = both.min_by(|a, b| {
+    fits.min_by(|a, b| {
         let (a, b) = (cost(a), cost(b));
         a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
-    })?;
-    Some(Fitted {
-        search: path.end,
-        ..best
     })
 }
 
@@ -235,9 +236,10 @@ struct Followed {
 fn follow(experiment: &Experiment, starts: &[Iterate], smooths: bool) -> Followed {
     let mut share = SHORTER;
     let mut ends = starts.to_vec();
+    let near = experiment.within_linear_range();
     loop {
         for at in starts {
-            match fit_beginning(experiment, at, share) {
+            match fit_beginning(&near, at, share) {
                 Some(found) if found.explains => {
                     return extend(experiment, (found.at, share), smooths);
                 }

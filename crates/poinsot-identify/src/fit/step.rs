@@ -122,6 +122,10 @@ impl LeastSquares for Experiment<'_> {
         here.predicted_reduction < limit
     }
 
+    fn damps(&self, here: &Linearised<Linearisation>) -> bool {
+        !self.full_steps || self.is_close(here)
+    }
+
     fn should_continue(&self, here: &Linearised<Linearisation>, pace: Pace) -> bool {
         let gain = f64::min(here.predicted_reduction, pace.fell);
         let too_slow = !self.is_close(here) && gain < TOO_SLOW * here.cost;
