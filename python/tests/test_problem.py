@@ -1,5 +1,7 @@
 """A problem for an estimator of one's own."""
 
+import pathlib
+
 import numpy as np
 import pytest
 
@@ -73,3 +75,20 @@ def test_exact_wrong_lengths_are_refused(problem):
         problem.evaluate(problem.x0[:-1])
     with pytest.raises(pn.InputError):
         problem.evaluate(np.zeros((2, 2)))
+
+
+def test_regress_a_measured_joint_has_no_spring(tmp_path):
+    """A joint that a column measures moves as it says: its spring is no unknown, here as in identify."""
+    model = pathlib.Path("data/cases/hinged_panel_truth.toml").read_text()
+    model = model.replace("damping_N_m_s_per_rad = 0.02", "damping_N_m_s_per_rad = 0.02, estimate = true")
+    model = model.replace("yz = 0.59 }", "yz = 0.59 }\nestimate = true", 1)
+    case = pathlib.Path("data/cases/hinged_panel.toml").read_text()
+    case = case.replace("sensors_only = true", "").replace("hinged_panel_truth.toml", "model.toml")
+    (tmp_path / "model.toml").write_text(model)
+    (tmp_path / "case.toml").write_text(case)
+    whole = pn.simulate(tmp_path / "case.toml").telemetry
+    time_s, _ = whole["omega_x"]
+    columns = {name: whole[name][1] for name in whole if not name.startswith("hinge")}
+    free = pn.Telemetry.from_arrays(time_s=time_s, columns=columns)
+    springs, measured = (pn.Problem(tmp_path / "model.toml", record) for record in (free, whole))
+    assert [sum("hinge" in name for name in problem.names) for problem in (springs, measured)] == [3, 0]

@@ -23,12 +23,8 @@ pub struct CoreProblem {
 
 fn asked(gated: &Gated, relative_accuracy: f64) -> Problem<'_> {
     Problem {
-        model: &gated.model,
-        tree: &gated.tree,
-        segments: &gated.bound.segments,
-        noise: &gated.bound.noise,
         relative_accuracy,
-        pace: None,
+        ..gated.bound.problem(&gated.model, &gated.tree)
     }
 }
 
