@@ -1,4 +1,4 @@
-//! Runs arbitrary bytes through every reader, and small arbitrary problems through `identify`.
+//! Runs arbitrary bytes through every reader, small arbitrary problems through `identify`, and changed streams through the on-board filter.
 //!
 //! Each target takes bytes. It panics if the program panics or a result violates its invariants. libFuzzer calls them
 //! from `fuzz/`; `tests/corpus.rs` replays the committed corpus.
@@ -6,6 +6,7 @@
 
 mod identify;
 mod model;
+mod onboard;
 mod results;
 mod small_problem;
 mod telemetry;
@@ -14,6 +15,7 @@ mod xml;
 
 pub use identify::identify;
 pub use model::model;
+pub use onboard::onboard;
 pub use results::results;
 pub use telemetry::{csv, parquet};
 pub use urdf::urdf;

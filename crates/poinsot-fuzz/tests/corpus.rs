@@ -1,7 +1,7 @@
-//! Runs the committed corpus through every target, and some problems of drawn bytes through `identify`.
+//! Runs the committed corpus through every target, and drawn bytes through `identify` and the on-board filter.
 #![allow(clippy::unwrap_used)]
 
-use poinsot_fuzz::{Target, csv, identify, model, parquet, results, urdf, xml};
+use poinsot_fuzz::{Target, csv, identify, model, onboard, parquet, results, urdf, xml};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::io::Read;
@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 /// Time limit of a single small input.
 const LONGEST: Duration = Duration::from_secs(10);
-/// Problems of drawn bytes, and bytes of each: enough for a vehicle and its record.
+/// Inputs of drawn bytes, and bytes of each: enough for a vehicle and its record.
 const DRAWN: u64 = 200;
 const BYTES: usize = 4096;
 
@@ -75,13 +75,21 @@ fn prop_xml_corpus() {
     replay(xml, &corpus("xml"));
 }
 
-#[test]
-fn prop_identify_corpus_and_drawn_problems() {
+fn with_drawn(name: &str) -> Vec<(String, Vec<u8>)> {
     let drawn = (0..DRAWN).map(|seed| {
         let mut bytes = vec![0; BYTES];
         ChaCha8Rng::seed_from_u64(seed).fill_bytes(&mut bytes);
-        (format!("the problem of seed {seed}"), bytes)
+        (format!("drawn, seed {seed}"), bytes)
     });
-    let inputs: Vec<_> = corpus("identify").into_iter().chain(drawn).collect();
-    replay(identify, &inputs);
+    corpus(name).into_iter().chain(drawn).collect()
+}
+
+#[test]
+fn prop_identify_corpus_and_drawn_problems() {
+    replay(identify, &with_drawn("identify"));
+}
+
+#[test]
+fn prop_onboard_corpus_and_drawn_streams() {
+    replay(onboard, &with_drawn("onboard"));
 }
