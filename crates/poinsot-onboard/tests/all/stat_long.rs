@@ -2,36 +2,51 @@
 
 use crate::setups::{self, Setup};
 use crate::truth::{Noise, samples};
-use poinsot_onboard::{Answer, Health};
+use poinsot_onboard::{Answer, Health, Sample};
 
 const LENGTH: usize = 100_000;
+/// Between one such record and the next, where more are asked for, s: the motion starts anew there.
+const GAP_S: f64 = 60.0;
 
+/// `POINSOT_SAMPLES` of them, by default one record.
 fn long_run(setup: &mut Setup) -> Answer {
     setup.truth.samples = LENGTH;
+    let asked = std::env::var("POINSOT_SAMPLES").ok();
+    let asked = asked.map_or(LENGTH, |n| n.parse().expect("a number of samples"));
     let motions = setup.truth.motions(&setup.configuration);
     let mut noise = Noise::new(5);
-    let stream = samples(
-        &setup.truth,
-        &setup.configuration,
-        &motions,
-        Some(&mut noise),
-    );
-    let mut filter = setup.filter(&mut noise);
+    let mut filter = None;
     let mut before = [f64::MAX; 10];
-    for (k, sample) in stream.iter().enumerate() {
-        filter.push(sample).unwrap();
-        if k % 1000 == 999 {
-            let answer = filter.answer(sample.time_s);
-            let n = answer.unknowns;
-            let C = nalgebra::DMatrix::from_fn(n, n, |i, j| answer.covariance[i][j]);
-            assert!(C.cholesky().is_some());
-            for (before, number) in before.iter_mut().zip(&answer.numbers) {
-                assert!(number.sigma.is_finite() && number.sigma <= 1.01 * *before);
-                *before = number.sigma;
+    let mut answer = None;
+    for record in 0..asked.div_ceil(LENGTH) {
+        let (truth, told) = (&setup.truth, &setup.configuration);
+        let stream = samples(truth, told, &motions, Some(&mut noise));
+        let filter = filter.get_or_insert_with(|| setup.filter(&mut noise));
+        let later_s = record as f64 * (LENGTH as f64 * setup.truth.dt + GAP_S);
+        for (k, sample) in stream.iter().enumerate() {
+            let time_s = later_s + sample.time_s;
+            let taken = filter.push(&Sample { time_s, ..*sample });
+            // A clock that jumps is believed from the third sample on.
+            assert_eq!(taken.is_ok(), record == 0 || k >= 2, "{record} {k}");
+            if k % 1000 == 999 {
+                check(&filter.answer(time_s), &mut before);
             }
         }
+        answer = Some(filter.answer(0.0));
     }
-    filter.answer(0.0)
+    answer.expect("a record")
+}
+
+/// The covariance is symmetric and positive, and no sigma has grown.
+fn check(answer: &Answer, before: &mut [f64; 10]) {
+    let n = answer.unknowns;
+    let C = nalgebra::DMatrix::from_fn(n, n, |i, j| answer.covariance[i][j]);
+    assert_eq!(C, C.transpose());
+    assert!(C.cholesky().is_some());
+    for (before, number) in before.iter_mut().zip(&answer.numbers) {
+        assert!(number.sigma.is_finite() && number.sigma <= 1.01 * *before);
+        *before = number.sigma;
+    }
 }
 
 #[test]
