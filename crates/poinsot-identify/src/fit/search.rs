@@ -179,14 +179,13 @@ fn from_better(experiment: &Experiment, starts: &[Iterate]) -> Option<Fitted> {
     if best.as_ref().is_some_and(|b| b.converged) {
         return best;
     }
-    let whole = |at: &Iterate| {
-        let found = fit_from(experiment, at.clone(), ARC_ITERATIONS)?;
-        match found.converged || !found.explains {
-            true => Some(found),
-            false => fit_from(experiment, found.at, ITERATIONS),
-        }
-    };
-    for found in by_cost(experiment, starts).into_iter().filter_map(whole) {
+    let mut own = experiment.clone();
+    for at in by_cost(experiment, starts) {
+        // Beside a fit that explains the record no start is far.
+        own.full_steps &= !best.as_ref().is_some_and(|b| b.explains);
+        let Some(found) = fit_whole(&own, at) else {
+            continue;
+        };
         if found.converged {
             return Some(found);
         }
@@ -194,6 +193,15 @@ fn from_better(experiment: &Experiment, starts: &[Iterate]) -> Option<Fitted> {
         best = best.filter(stays).or(Some(found));
     }
     best
+}
+
+/// The fit of the whole record from a start; in few iterations where they do not come to explain it.
+fn fit_whole(experiment: &Experiment, at: &Iterate) -> Option<Fitted> {
+    let found = fit_from(experiment, at.clone(), ARC_ITERATIONS)?;
+    match found.converged || !found.explains {
+        true => Some(found),
+        false => fit_from(experiment, found.at, ITERATIONS),
+    }
 }
 
 /// End of a fit to a few samples from the better of some starts; `None` where it is not close.
