@@ -139,8 +139,8 @@ fn search_once(experiment: &Experiment, starts: &[Iterate]) -> Option<Fitted> {
     let path = follow(experiment, starts, false);
     let is_lost = matches!(path.end, Search::Lost(_));
     let onward = match path.at {
-        Some(at) => fit_from(experiment, at, if is_lost { 0 } else { ITERATIONS }),
-        None => from_better(experiment, starts),
+        Some(at) if !is_lost => fit_from(experiment, at, ITERATIONS),
+        _ => from_better(experiment, starts),
     };
     let found = best(experiment, direct.into_iter().chain(onward))?;
     if is_lost && found.explains {
