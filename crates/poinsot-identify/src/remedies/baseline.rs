@@ -16,9 +16,6 @@ use nalgebra::DMatrix;
 use poinsot_model::EstimateSet;
 use poinsot_solve::{BlockQr, Spectrum, Triangle};
 
-/// Round-off of a singular value, for each unknown and in units of the largest one ([`Spectrum::new`]).
-const ROUND_OFF: f64 = 32.0 * f64::EPSILON;
-
 /// Information of the experiment, in barycentric unknowns.
 pub(super) struct Baseline<'a> {
     pub problem: &'a Problem<'a>,
@@ -90,9 +87,10 @@ impl<'a> Baseline<'a> {
 
     /// The spectrum of the experiment with more rows.
     pub fn spectrum(&self, more: &[&Row]) -> Option<Spectrum> {
-        let (block, size) = self.block(&self.stacked(&self.rows, more));
-        let accuracy = self.problem.largest_sigma();
-        Spectrum::new(&block, &self.coordinates.natural, None, size, accuracy).ok()
+        let stacked = self.stacked(&self.rows, more);
+        let block = SharedTriangle::new(&self.parameters, &stacked).block();
+        let (natural, size) = (&self.coordinates.natural, self.longest(&stacked));
+        Spectrum::new(&block, natural, None, size, self.problem.largest_sigma()).ok()
     }
 
     /// The information of the experiment with more rows, in as few rows as there are unknowns.
@@ -105,9 +103,10 @@ impl<'a> Baseline<'a> {
     /// Number of directions that condensed rows identify together with more.
     pub fn rank(&self, condensed: &[Row], more: &[Row]) -> usize {
         let more: Vec<&Row> = more.iter().collect();
-        let (block, size) = self.block(&self.stacked(condensed, &more));
-        let accuracy = self.problem.largest_sigma();
-        identified(&block, &self.coordinates.natural, size, accuracy)
+        let stacked = self.stacked(condensed, &more);
+        let block = SharedTriangle::new(&self.parameters, &stacked).block();
+        let (natural, size) = (&self.coordinates.natural, self.longest(&stacked));
+        Spectrum::rank_of(&block, natural, size, self.problem.largest_sigma()).unwrap_or(0)
     }
 
     /// Triangle of rows.
@@ -118,18 +117,14 @@ impl<'a> Baseline<'a> {
         stacked.finish()
     }
 
-    /// Triangle of the mass properties, and the length of the longest column, natural units.
-    fn block(&self, triangle: &Triangle) -> (Mat<f64>, f64) {
+    /// Length of the longest column of the mass properties, natural units.
+    fn longest(&self, triangle: &Triangle) -> f64 {
         let natural = self.coordinates.natural.iter().enumerate();
         let length = |(j, unit): (usize, &f64)| {
             let square: f64 = (0..=j).map(|i| triangle.r[(i, j)].powi(2)).sum();
             square.sqrt() * unit
         };
-        let size = natural.map(length).fold(0.0, f64::max);
-        (
-            SharedTriangle::new(&self.parameters, triangle).block(),
-            size,
-        )
+        natural.map(length).fold(0.0, f64::max)
     }
 
     pub fn changes(&self) -> Vec<Change> {
@@ -227,20 +222,6 @@ impl Coordinates {
     }
 }
 
-/// Number of directions that [`Spectrum::new`] identifies of a triangle: by the singular values alone, which take a fraction of the
-/// time. Given are also the length of the longest column and the accuracy, natural units.
-fn identified(r: &Mat<f64>, natural: &[f64], size: f64, accuracy: f64) -> usize {
-    let n = natural.len();
-    let scaled = Mat::from_fn(n, n, |i, j| r[(i, j)] * natural[j]);
-    let is_finite = (0..n).all(|j| (0..n).all(|i| scaled[(i, j)].is_finite()));
-    let values = scaled.singular_values().ok().filter(|_| is_finite);
-    let values = values.unwrap_or_default();
-    let largest = values.first().copied().unwrap_or(0.0);
-    let round_off = ROUND_OFF * n as f64 * size.max(largest);
-    let told = |s: &&f64| **s > round_off && 1.0 / **s < accuracy;
-    values.iter().filter(told).count()
-}
-
 /// The rows of a solved problem over the unknowns given, barycentric for those of a rotation alone.
 fn known_rows(solution: &Solution, parameters: &Parameters, x: &[f64]) -> Vec<Row> {
     let own = &solution.parameters;
@@ -267,41 +248,4 @@ fn known_rows(solution: &Solution, parameters: &Parameters, x: &[f64]) -> Vec<Ro
     let rows = r.upper_triangle() * gradients;
     let rows = rows.row_iter().map(|row| row.iter().copied().collect());
     rows.collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use rand::{RngExt, SeedableRng};
-
-    /// The count is that of a spectrum, for every number of rows and of directions that are not identified.
-    #[test]
-    fn xval_the_directions_by_singular_values_are_those_of_a_spectrum() {
-        let n = 8;
-        let natural: Vec<f64> = (0..n).map(|k| 0.5 + k as f64).collect();
-        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(3);
-        let mut row = |size: f64| -> Row {
-            let mut value = || size * (random.random::<f64>() - 0.5);
-            (0..n).map(|_| value()).collect()
-        };
-        let mut found = std::collections::BTreeSet::new();
-        for rows in [0, 1, 3, 5, 8, 20] {
-            for size in [0.03, 0.3, 3.0, 3.0e3] {
-                let all: Vec<Row> = (0..rows).map(|_| row(size)).collect();
-                let mut qr = BlockQr::new(n);
-                qr.push(rows, |i, j| all[i][j]);
-                let r = qr.finish().r;
-                let length = |j: usize| {
-                    let square: f64 = (0..n).map(|i| r[(i, j)].powi(2)).sum();
-                    square.sqrt() * natural[j]
-                };
-                let longest = (0..n).map(length).fold(0.0, f64::max);
-                let spectrum = Spectrum::new(&r, &natural, None, longest, 1.0).unwrap();
-                let count = identified(&r, &natural, longest, 1.0);
-                assert_eq!(count, spectrum.rank, "{rows} {size}");
-                found.insert(count);
-            }
-        }
-        assert!(found.len() > 3, "{found:?}");
-    }
 }

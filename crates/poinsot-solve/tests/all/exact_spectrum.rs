@@ -1,7 +1,7 @@
-//! Sigmas of problems with two unknowns, inverted by hand.
+//! Sigmas of problems with two unknowns, inverted by hand, and ranks.
 
 use faer::Mat;
-use poinsot_solve::{DirectionSigma, Spectrum};
+use poinsot_solve::{BlockQr, DirectionSigma, Spectrum};
 
 fn spectrum(R: [[f64; 2]; 2], natural: [f64; 2]) -> Spectrum {
     let R = Mat::from_fn(2, 2, |i, j| R[i][j]);
@@ -112,4 +112,34 @@ fn exact_other_sigmas_are_stated_and_decide() {
     assert_eq!(judged.sigma(&[0.0, 1.0]), None);
     assert_eq!(judged.sigma_within(&[1.0, 0.0], 1.3), None);
     assert_eq!(judged.experiment().accurate, 1);
+}
+
+/// The rank by singular values alone, for every number of rows and of directions that are not identified.
+#[test]
+fn xval_a_rank_is_that_of_the_directions() {
+    let n = 8;
+    let natural: Vec<f64> = (0..n).map(|k| 0.5 + k as f64).collect();
+    let mut seed = 0.0;
+    let mut random = || {
+        seed += 1.0;
+        (12.9898_f64 * seed).sin() * 43_758.5 % 1.0
+    };
+    let mut found = std::collections::BTreeSet::new();
+    for rows in [0, 1, 3, 5, 8, 20] {
+        for size in [0.03, 0.3, 3.0, 3.0e3] {
+            let mut qr = BlockQr::new(n);
+            qr.push(rows, |_, _| size * 0.5 * random());
+            let r = qr.finish().r;
+            let length = |j: usize| {
+                let square: f64 = (0..n).map(|i| r[(i, j)].powi(2)).sum();
+                square.sqrt() * natural[j]
+            };
+            let longest = (0..n).map(length).fold(0.0, f64::max);
+            let rank = Spectrum::rank_of(&r, &natural, longest, 1.0).unwrap();
+            let directions = Spectrum::new(&r, &natural, None, longest, 1.0).unwrap();
+            assert_eq!(rank, directions.rank, "{rows} {size}");
+            found.insert(rank);
+        }
+    }
+    assert!(found.len() > 3, "{found:?}");
 }
