@@ -59,7 +59,7 @@ fn check(answer: &Answer) {
     assert!(!told || all.all(|c| c.is_finite()), "{answer:?}");
 }
 
-/// The bus of which nothing is changed: its tensor is unknown.
+/// The unchanged bus; its inertia tensor is unknown.
 fn bus() -> Configuration {
     let noise = Noise {
         gyro: NOISE,
@@ -93,7 +93,7 @@ fn inertia() -> Matrix3 {
     Matrix3::new(10.0, 0.4, -0.3, 0.4, 12.0, 0.2, -0.3, 0.2, 8.0)
 }
 
-/// What such a bus measures whose nominal numbers are right: at constant momentum, its wheels driven.
+/// Measurements of that bus at constant momentum, while its wheels are driven; its nominal numbers are right.
 fn motion() -> impl Iterator<Item = Sample> {
     let speeds = |k: usize| {
         let phase = 0.1 * k as f64;
@@ -155,7 +155,7 @@ fn change_configuration(u: &mut Unstructured, c: &mut Configuration) -> Result<(
     Ok(())
 }
 
-/// Leaves a sample, or takes a sensor away, repeats the sample before, moves its time, or changes one of its numbers.
+/// Leaves a sample as it is, or removes a sensor, repeats the previous sample, moves the time, or changes one number.
 fn change_sample(u: &mut Unstructured, sample: &mut Sample, before: &Sample) -> Result<()> {
     match u.int_in_range(0..=15)? {
         11 => sample.gyro = None,

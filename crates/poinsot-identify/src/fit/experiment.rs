@@ -57,7 +57,7 @@ pub(crate) struct Experiment<'a> {
     pub only_near: bool,
     /// Whether the readings of a beginning count little at first, and its unknowns are held about their nominal values.
     pub tempers: bool,
-    /// Whether fits far from an answer take full steps alone.
+    /// Whether fits that are far from an answer take full steps only.
     pub full_steps: bool,
     /// How many times as large as declared a mean square of white noise in the readings is taken to be where a search judges
     /// whether a start is far; 1 as declared.

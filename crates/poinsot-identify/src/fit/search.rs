@@ -147,14 +147,10 @@ fn search_once(experiment: &Experiment, starts: &[Iterate]) -> Option<Fitted> {
         return Some(found);
     }
     // What no motion over a few samples explains is no matter of the start.
-    let is_told = path.end == Search::Lost(0.0) && found.settled;
+    let told = path.end == Search::Lost(0.0) && found.settled;
     Some(Fitted {
-        search: if is_told {
-            Search::Contradicted
-        } else {
-            path.end
-        },
-        converged: found.converged && (is_told || !is_lost),
+        search: if told { Search::Contradicted } else { path.end },
+        converged: found.converged && (told || !is_lost),
         ..found
     })
 }
@@ -181,7 +177,7 @@ fn from_better(experiment: &Experiment, starts: &[Iterate]) -> Option<Fitted> {
     }
     let mut own = experiment.clone();
     for at in by_cost(experiment, starts) {
-        // Beside a fit that explains the record no start is far.
+        // If one start explains the record, the others are not far from it either.
         own.full_steps &= !best.as_ref().is_some_and(|b| b.explains);
         let Some(found) = fit_whole(&own, at) else {
             continue;

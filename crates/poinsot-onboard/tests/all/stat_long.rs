@@ -26,7 +26,7 @@ fn long_run(setup: &mut Setup) -> Answer {
         for (k, sample) in stream.iter().enumerate() {
             let time_s = later_s + sample.time_s;
             let taken = filter.push(&Sample { time_s, ..*sample });
-            // A clock that jumps is believed from the third sample on.
+            // After a jump of the clock the third sample is the first one taken.
             assert_eq!(taken.is_ok(), record == 0 || k >= 2, "{record} {k}");
             if k % 1000 == 999 {
                 check(&filter.answer(time_s), &mut before);
