@@ -120,6 +120,10 @@ pub struct Prior {
     /// tenth. It keeps the body physical.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub entropic: Option<f64>,
+    /// Time in which the body may change by as much as the prior, s: the on-board filter takes its numbers as a random walk, whose
+    /// covariance after this time is that of the prior. `identify` takes them as constant.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub forget_s: Option<f64>,
 }
 
 impl Prior {

@@ -16,9 +16,9 @@ extern "C" {
 #endif
 
 /* Version of this interface; poinsot_onboard_version() is that of the library. */
-#define POINSOT_ONBOARD_VERSION 2
+#define POINSOT_ONBOARD_VERSION 3
 /* Bytes of a table, from `poinsot export MODEL --to onboard`. */
-#define POINSOT_ONBOARD_TABLE 2708
+#define POINSOT_ONBOARD_TABLE 3532
 /* Most wheels. */
 #define POINSOT_ONBOARD_WHEELS 8
 /* Most joints. */
@@ -26,7 +26,7 @@ extern "C" {
 /* Samples of the first window: the push of the last one replays them all, at most 24 times. */
 #define POINSOT_ONBOARD_WINDOW 150
 /* Bytes of a filter; poinsot_onboard_size() tells how many of them the target needs. */
-#define POINSOT_ONBOARD_SIZE 208000
+#define POINSOT_ONBOARD_SIZE 300000
 
 /* Codes of the functions, an int32_t. */
 enum {
@@ -53,7 +53,8 @@ enum {
     POINSOT_ONBOARD_AXIS = 40,             /* an axis or a quaternion has not length one */
     POINSOT_ONBOARD_PRIOR = 41,            /* the prior of an unknown number is not positive */
     POINSOT_ONBOARD_UNPHYSICAL = 42,       /* the nominal vehicle has no positive mass or inertia */
-    POINSOT_ONBOARD_NEEDS_POSITION = 43    /* mass or first moment unknown, no position measured, no joint */
+    POINSOT_ONBOARD_NEEDS_POSITION = 43,   /* mass or first moment unknown, no position measured, no joint */
+    POINSOT_ONBOARD_MODE = 44              /* a mode's frequency, damping or slope of inertia is out of range */
 };
 
 /* What the numbers are worth: poinsot_onboard_answer.health. */

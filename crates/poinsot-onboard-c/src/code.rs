@@ -48,6 +48,8 @@ pub enum Code {
     Unphysical = 42,
     /// Table: mass or first moment is unknown, but no position is measured and no joint moves.
     NeedsPosition = 43,
+    /// Table: a mode's frequency or damping is out of range, or its slope of inertia is not symmetric.
+    Mode = 44,
 }
 
 impl From<Refusal> for Code {
@@ -85,6 +87,7 @@ impl From<Invalid> for Code {
             Invalid::Prior => Self::Prior,
             Invalid::Unphysical => Self::Unphysical,
             Invalid::NeedsPosition => Self::NeedsPosition,
+            Invalid::Mode => Self::Mode,
         }
     }
 }

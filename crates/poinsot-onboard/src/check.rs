@@ -2,6 +2,7 @@
 
 use crate::configuration::{AXES, Configuration, HELD_BACK, JOINTS, WHEELS, Wheel};
 use crate::layout::required_capacity;
+use poinsot_dynamics::propagation::{MOST_MODES, Mode};
 
 /// Why a configuration is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -10,7 +11,8 @@ pub enum Invalid {
     Capacity(usize),
     /// A number is NaN or infinite.
     NotFinite,
-    /// More wheels than [`WHEELS`], more joints than [`JOINTS`], more samples held back than 4, or a link that no joint before it moves.
+    /// More wheels than [`WHEELS`], joints than [`JOINTS`], modes than 6 or samples held back than 4, or a link that no joint before it
+    /// moves.
     Count,
     /// A noise, a limit or a spin inertia is negative, or the noise of gyro or attitude is zero.
     Noise,
@@ -18,8 +20,11 @@ pub enum Invalid {
     Axis,
     /// A diagonal number of the prior is not positive.
     Prior,
-    /// The nominal vehicle has no positive mass or inertia.
+    /// The nominal vehicle has no positive mass or inertia, or less than its modes carry.
     Unphysical,
+    /// A mode has no positive frequency, a damping below zero or above that which is critical, or a slope of inertia that is not
+    /// symmetric.
+    Mode,
     /// Mass or first moment is unknown, but no position is measured and no joint moves.
     NeedsPosition,
 }
@@ -39,6 +44,7 @@ impl Configuration {
             (self.wheel_count, WHEELS),
             (self.joint_count, JOINTS),
             (self.reorder, HELD_BACK),
+            (self.mode_count, MOST_MODES),
             (self.unknown_link, self.joint_count),
         ];
         let mut joints = self.joints().iter().enumerate();
@@ -51,6 +57,7 @@ impl Configuration {
         let positive = [noise.gyro, noise.attitude, self.longest_gap_s, self.stale_s];
         let limits = [self.longest_gap_s, self.stale_s];
         let levels = copy.noise.numbers().map(|x| *x).into_iter().chain(limits);
+        let levels = levels.chain([self.forget_s]);
         let mut all = levels.chain(of_wheels).chain(of_joints);
         if !all.all(|x| x >= 0.0) || positive.contains(&0.0) {
             return Err(Invalid::Noise);
@@ -66,6 +73,13 @@ impl Configuration {
         let mut diagonal = (0..unknowns).map(|k| self.prior[k][k]);
         if !diagonal.all(|x| x > 0.0) {
             return Err(Invalid::Prior);
+        }
+        let swings = |m: &Mode| {
+            let symmetric = m.inertia_slope == m.inertia_slope.transpose();
+            symmetric && m.frequency_Hz > 0.0 && (0.0..1.0).contains(&m.damping_ratio)
+        };
+        if !self.modes().iter().all(swings) {
+            return Err(Invalid::Mode);
         }
         if !self.is_possible(&self.nominal) {
             return Err(Invalid::Unphysical);

@@ -1,6 +1,8 @@
 //! What a filter is told before it starts.
 
-use poinsot_spatial::Vector3;
+use nalgebra::ArrayStorage;
+use poinsot_dynamics::propagation::{MOST_MODES, Mode};
+use poinsot_spatial::{Matrix3, Vector3};
 
 /// Most wheels.
 pub const WHEELS: usize = 8;
@@ -94,6 +96,22 @@ impl Noise {
     }
 }
 
+/// A vehicle without modes has these.
+const NO_MODE: Mode = Mode {
+    body: 0,
+    frequency_Hz: 0.0,
+    damping_ratio: 0.0,
+    translation: Vector3::new(0.0, 0.0, 0.0),
+    rotation: Vector3::new(0.0, 0.0, 0.0),
+    inertia_slope: Matrix3::from_array_storage(ArrayStorage([[0.0; AXES]; AXES])),
+};
+
+fn numbers_of(mode: &mut Mode) -> impl Iterator<Item = &mut f64> {
+    let first = [&mut mode.frequency_Hz, &mut mode.damping_ratio].into_iter();
+    let participation = mode.translation.iter_mut().chain(&mut mode.rotation);
+    first.chain(participation).chain(&mut mode.inertia_slope)
+}
+
 /// Noise of sensors and motion, one sigma.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {
@@ -140,8 +158,15 @@ pub struct Configuration {
     pub unknown_rotation: [f64; 4],
     /// Its origin in the link, m.
     pub unknown_position: [f64; AXES],
+    /// Flexible modes of the base, in its axes and about `Bo`; the first `mode_count` count. Their bodies are not read.
+    pub modes: [Mode; MOST_MODES],
+    /// Number of modes.
+    pub mode_count: usize,
     /// Noise.
     pub noise: Noise,
+    /// Time after which the parameters may have changed by as much as the prior, s: they are a random walk whose covariance is that of
+    /// the prior then. Zero where they stay.
+    pub forget_s: f64,
     /// Longest time between two samples that the motion is followed over, s. After a longer one the motion starts anew.
     pub longest_gap_s: f64,
     /// Time after which an answer without a new sample is stale, s.
@@ -177,6 +202,9 @@ impl Configuration {
         unknown_link: 0,
         unknown_rotation: [0.0; 4],
         unknown_position: [0.0; AXES],
+        modes: [NO_MODE; MOST_MODES],
+        mode_count: 0,
+        forget_s: 0.0,
         noise: Noise {
             gyro: 0.0,
             attitude: 0.0,
@@ -222,6 +250,16 @@ impl Configuration {
         self
     }
 
+    /// Adds a mode of the base; beyond [`MOST_MODES`] it is counted, and the configuration is refused.
+    #[must_use]
+    pub fn with_mode(mut self, mode: Mode) -> Self {
+        if let Some(place) = self.modes.get_mut(self.mode_count) {
+            *place = mode;
+        }
+        self.mode_count += 1;
+        self
+    }
+
     /// Every number, in the order of the table.
     pub(crate) fn numbers(&mut self) -> impl Iterator<Item = &mut f64> {
         let body = self.known.iter_mut().chain(&mut self.nominal);
@@ -232,6 +270,8 @@ impl Configuration {
             .chain(&mut self.unknown_rotation)
             .chain(&mut self.unknown_position)
             .chain(self.joints.iter_mut().flat_map(Joint::numbers))
+            .chain(self.modes.iter_mut().flat_map(numbers_of))
+            .chain([&mut self.forget_s])
     }
 
     /// Whether the position is measured.
@@ -249,6 +289,10 @@ impl Configuration {
         wheels.fold(Vector3::zeros(), |h, (wheel, speed)| {
             h + Vector3::from(wheel.axis_B) * (wheel.spin_inertia * speed)
         })
+    }
+
+    pub(crate) fn modes(&self) -> &[Mode] {
+        self.modes.get(..self.mode_count).unwrap_or_default()
     }
 
     pub(crate) fn joints(&self) -> &[Joint] {

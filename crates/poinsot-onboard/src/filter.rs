@@ -6,16 +6,19 @@ use crate::health::{Checkpoints, SENSORS, SensorCounts, Tests};
 use crate::information::{OfParameters, Rows, back_substitute, copy_triangle, eliminate};
 use crate::layout::{Layout, noises};
 use crate::motion::{
-    Acting, Bend, Columns, Excitation, Interval, Moving, ParameterSlope, StateVector, angular,
-    input_twists, parameter_slopes,
+    Acting, Bend, Columns, Excitation, Flexing, Interval, Linear, Moving, ParameterSlope, Placed,
+    Scratch, angular, motion_of, parameter_slopes,
 };
 use crate::posture::{Posture, halves, stacked};
 use crate::sample::Sample;
 use crate::stream::{Stream, Window};
+use core::f64::consts::TAU;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField;
 use nalgebra::{SMatrix, SVector, SymmetricEigen, UnitQuaternion};
-use poinsot_dynamics::propagation::{BaseMotion, PoseMomentum, STATE};
+use poinsot_dynamics::propagation::{
+    COLUMN, Column, FlexibleMotion, FlexibleState, HALF, INTERNAL, PerMode, PoseMomentum, STATE,
+};
 use poinsot_spatial::{Matrix3, Vector3, Vector6, elements};
 
 /// Squared normalised innovation of three numbers beyond which a measurement is not used: a false alarm of 3e-7.
@@ -26,6 +29,8 @@ pub(crate) const MOVED: f64 = 0.1;
 const SETTLING: u32 = 3;
 /// Most starts in a row that do not go on.
 const STARTS: u32 = 5;
+/// Prior sigma of the rate of a mode: that which has the energy of the vehicle turning so fast, rad/s.
+const SWINGING: f64 = 0.1;
 /// Components of momentum in the kernels' state.
 const LINEAR: usize = 6;
 const ANGULAR: usize = 9;
@@ -34,11 +39,19 @@ const ROUND_OFF: f64 = 1.0e-12;
 
 type TenByTen = SMatrix<f64, PARAMETERS, PARAMETERS>;
 
+/// `A^T x` of the first `D` rows and columns, at most.
+fn transposed_times<const D: usize>(A: &SMatrix<f64, COLUMN, COLUMN>, x: &Column) -> Column {
+    let mut out = *x;
+    let head = A.fixed_view::<D, D>(0, 0).tr_mul(&x.fixed_rows::<D>(0));
+    out.fixed_rows_mut::<D>(0).copy_from(&head);
+    out
+}
+
 /// The motion that is followed.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Running {
     pub time_s: f64,
-    state: PoseMomentum,
+    state: FlexibleState,
     bias: Vector3,
     /// Angular velocity, in B.
     rate: Vector3,
@@ -61,9 +74,9 @@ impl Running {
 /// The last interval, and what the parameters did to the state in it.
 #[derive(Clone, Copy)]
 struct Step {
-    from: PoseMomentum,
+    from: FlexibleState,
     interval: Interval,
-    parameters: [StateVector; PARAMETERS],
+    parameters: [Column; PARAMETERS],
 }
 
 /// Recursive estimate of mass properties.
@@ -80,6 +93,7 @@ pub struct Filter<const N: usize, const WINDOW: usize> {
     work: Rows<N>,
     /// Of the last interval.
     columns: Columns,
+    pub(crate) scratch: Scratch,
     pub(crate) gate: f64,
     /// Share of the prior that the motion is loosened by, see [`Self::momentum_noise`].
     pub(crate) looseness: f64,
@@ -88,6 +102,8 @@ pub struct Filter<const N: usize, const WINDOW: usize> {
     /// What was known of the parameters when the motion began, and how often it began without going on.
     before_start: OfParameters,
     pub(crate) starts: u32,
+    /// Up to when the parameters were forgotten, s.
+    pub(crate) known_s: Option<f64>,
     /// Prior sigma of each parameter, zero where it is known.
     pub(crate) prior_sigma: [f64; PARAMETERS],
     /// The largest of mass, first moments and inertia.
@@ -109,20 +125,56 @@ struct Measurement<const N: usize> {
 pub(crate) struct Here {
     /// Angular velocity at the inputs in hand.
     rate: Vector3,
-    /// That at which columns are taken.
-    pub motion: BaseMotion,
+    /// That at which columns are taken, and its state.
+    pub motion: FlexibleMotion,
+    state: FlexibleState,
     pub posture: Posture,
     R: Matrix3,
     slopes: [ParameterSlope; PARAMETERS],
 }
 
+/// What a parameter does to the momenta, pose and rates held: linear and angular in N, those of the modes.
+#[derive(Clone, Copy)]
+struct MomentumSlope {
+    rigid: Vector6,
+    modes: PerMode,
+}
+
+impl MomentumSlope {
+    fn less(&self, other: &Self) -> Self {
+        Self {
+            rigid: self.rigid - other.rigid,
+            modes: self.modes - other.modes,
+        }
+    }
+
+    /// What a row over the state takes of it.
+    fn times(&self, row: &Column, modes: usize) -> f64 {
+        let own = row.fixed_rows::<HALF>(LINEAR).dot(&self.rigid);
+        let slopes = self.modes.iter().enumerate().take(modes);
+        own + slopes.map(|(k, x)| row[STATE + 2 * k + 1] * x).sum::<f64>()
+    }
+}
+
 impl Here {
-    /// What each parameter does to linear and angular momentum in N, pose and rates held.
-    fn momentum_slopes(&self) -> [Vector6; PARAMETERS] {
-        self.slopes.map(|slope| {
+    fn momentum_slopes(&self) -> [MomentumSlope; PARAMETERS] {
+        self.slopes.each_ref().map(|slope| {
             let (l, h) = halves(&slope.momentum);
-            stacked(&(self.R * l), &(self.R * h))
+            MomentumSlope {
+                rigid: stacked(&(self.R * l), &(self.R * h)),
+                modes: slope.of_modes,
+            }
         })
+    }
+
+    /// The vehicle as it was placed last.
+    pub fn placed<'a>(&'a self, scratch: &'a Scratch) -> Placed<'a> {
+        let flexing = scratch.flexing[0].as_ref();
+        Placed {
+            posture: &self.posture,
+            motion: &self.motion,
+            modes: flexing.map(|f| f.at(&self.state.internal)),
+        }
     }
 }
 
@@ -136,11 +188,13 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         rows: [[0.0; N]; N],
         work: [[0.0; N]; N],
         columns: Columns::NONE,
+        scratch: Scratch::NONE,
         gate: 0.0,
         looseness: 0.0,
         shown: Excitation::NONE,
         before_start: OfParameters::NONE,
         starts: 0,
+        known_s: None,
         prior_sigma: [0.0; PARAMETERS],
         prior_spread: [0.0; 3],
         running: None,
@@ -202,6 +256,9 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             self.prior_spread[kind] = self.prior_spread[kind].max(*sigma);
         }
         self.set_prior();
+        for place in &mut self.scratch.flexing {
+            *place = (configuration.mode_count > 0).then(Flexing::default);
+        }
         Ok(())
     }
 
@@ -234,6 +291,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
                 .map(|(j, &k)| prior.R[i][j] * (self.configuration.nominal[k] - self.body[k]))
                 .sum();
         }
+        self.known_s = None;
         self.set_parameters(&prior);
     }
 
@@ -250,10 +308,14 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     }
 
     /// Follows a motion over an interval, and its columns.
-    fn follow(&mut self, from: &PoseMomentum, interval: &Interval) -> Option<PoseMomentum> {
+    fn follow(&mut self, from: &FlexibleState, interval: &Interval) -> Option<FlexibleState> {
         let moving = Moving::new(&self.configuration, &self.body);
         self.columns.begin();
-        let linear = Some((&mut self.columns, &self.shown));
+        let linear = Linear {
+            columns: &mut self.columns,
+            shown: &self.shown,
+            scratch: &mut self.scratch,
+        };
         moving.follow(from, interval, linear)
     }
 
@@ -270,12 +332,17 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let (l, h) = halves(&posture.momentum);
         let h = h + self.configuration.wheel_momentum(&inputs);
         let h_B = whole.I_BBcm_B * w + h - whole.p_BoBcm_B.cross(&l);
-        let state = PoseMomentum {
+        let mut state = FlexibleState::from(PoseMomentum {
             R_NB,
             p_NoBo_N,
             P: Vector3::zeros(),
             h_SScm_N: R_NB * h_B,
-        };
+        });
+        let flexing = &mut self.scratch.flexing[0];
+        Moving::new(&self.configuration, &self.body).place(&inputs, &Acting::zeros(), flexing)?;
+        if let Some(flexing) = flexing {
+            state.internal = flexing.flexible.at_rest(&w);
+        }
         self.running = Some(Running {
             time_s: sample.time_s,
             state,
@@ -299,11 +366,24 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         for k in layout.bias()..layout.theta() {
             self.rows[k][k] = of_bias;
         }
+        let of_rate = 1.0 / (SWINGING * (whole.I_BBcm_B.trace() / 3.0).sqrt());
+        for (k, mode) in self.configuration.modes().iter().enumerate() {
+            let at = layout.internal() + 2 * k;
+            self.rows[at][at] = of_rate * TAU * mode.frequency_Hz;
+            self.rows[at + 1][at + 1] = of_rate;
+        }
         Some(())
     }
 
     /// Takes a sample that is in order, and what lies before it; `None` where the numbers do not allow it.
     pub(crate) fn take(&mut self, sample: &Sample, bend: Bend) -> Option<()> {
+        if self.configuration.forget_s > 0.0 {
+            let before = self.known_s.replace(sample.time_s);
+            let elapsed = before.map(|before| sample.time_s - before);
+            if let Some(dt) = elapsed.filter(|dt| *dt > 0.0) {
+                self.forget(dt);
+            }
+        }
         if self
             .running
             .is_some_and(|r| sample.time_s - r.time_s > self.configuration.longest_gap_s)
@@ -363,16 +443,22 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let entered = inputs + noises(&self.configuration);
         let gone = entered + means;
         let here = self.here()?;
-        let twists = input_twists(&self.configuration, (&here.posture, &here.motion));
+        let twists = here.placed(&self.scratch).input_twists(&self.configuration);
         let twists = twists.map(|t| angular(&t));
         let (theta, width) = (layout.theta(), gone + layout.columns());
-        let back = SMatrix::<f64, STATE, STATE>::from_columns(&self.columns.state).try_inverse()?;
+        let back = match layout.modes {
+            0 => self.columns.inverse::<STATE>()?,
+            _ => self.columns.inverse::<COLUMN>()?,
+        };
         let walk = dt.abs().sqrt();
         let [angular, linear] = self.momentum_noise(interval);
         let columns = &self.columns;
         for i in 0..theta {
             let (row, out) = (&self.rows[i], &mut self.work[i]);
-            let over = back.tr_mul(&layout.of_state(row));
+            let over = match layout.modes {
+                0 => transposed_times::<STATE>(&back, &layout.of_state(row)),
+                _ => transposed_times::<COLUMN>(&back, &layout.of_state(row)),
+            };
             *out = [0.0; N];
             for (k, &input) in layout.inputs().iter().enumerate() {
                 out[k] = row[k] - over.dot(&columns.inputs[0][input]);
@@ -424,6 +510,44 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         Some(())
     }
 
+    /// Lets the parameters walk for a time, s: the noises of unit size become columns before the others and are eliminated.
+    fn forget(&mut self, dt: f64) {
+        let (layout, prior) = (self.layout, self.configuration.prior);
+        let (theta, count, columns) = (layout.theta(), layout.parameters, layout.columns());
+        let prior = OfParameters {
+            R: prior,
+            ..OfParameters::NONE
+        };
+        let (walk, share) = (
+            prior.inverse(count),
+            (dt / self.configuration.forget_s).sqrt(),
+        );
+        for k in 0..count {
+            self.work[k] = [0.0; N];
+            self.work[k][k] = 1.0;
+        }
+        for i in 0..columns {
+            let (row, out) = (&self.rows[i], &mut self.work[count + i]);
+            *out = [0.0; N];
+            for k in 0..count {
+                let of_noise = (0..=k).map(|j| row[theta + j] * walk[j][k]);
+                out[k] = -share * of_noise.sum::<f64>();
+            }
+            out[count..count + columns].copy_from_slice(&row[..columns]);
+            out[N - 1] = row[N - 1];
+        }
+        let end = count + columns;
+        for pivot in 0..end {
+            eliminate(&mut self.work, pivot, pivot + 1..end, end);
+        }
+        for i in 0..columns {
+            let (row, out) = (&self.work[count + i], &mut self.rows[i]);
+            *out = [0.0; N];
+            out[i..columns].copy_from_slice(&row[count + i..end]);
+            out[N - 1] = row[N - 1];
+        }
+    }
+
     /// Noise of angular and linear momentum that enters over an interval: the declared one, and in the first passes of a replay what
     /// the errors of the parameters do, so that the motion follows the data.
     fn momentum_noise(&self, interval: &Interval) -> [f64; 2] {
@@ -457,15 +581,31 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     pub(crate) fn here(&mut self) -> Option<Here> {
         let running = self.running.as_mut()?;
         let moving = Moving::new(&self.configuration, &self.body);
-        let (_, locked) = moving.locked(&running.inputs, &Acting::zeros())?;
-        running.rate = locked.base_motion(&running.state).twist.w;
+        let flexing = &mut self.scratch.flexing[0];
+        let mut place = |inputs: &[f64; INPUTS]| {
+            let (posture, locked) = moving.place(inputs, &Acting::zeros(), flexing)?;
+            let flexible = flexing.as_ref().map(|f| &f.flexible);
+            Some((posture, motion_of(&locked, flexible, &running.state)?))
+        };
+        let (mut posture, mut motion) = place(&running.inputs)?;
+        running.rate = motion.twist.w;
         let calm = self.shown.calm(&running.inputs);
-        let (posture, locked) = moving.locked(&calm, &Acting::zeros())?;
-        let motion = locked.base_motion(&running.state);
+        if calm != running.inputs {
+            (posture, motion) = place(&calm)?;
+        }
+        let state = &running.state;
+        let placed = Placed {
+            posture: &posture,
+            motion: &motion,
+            modes: self.scratch.flexing[0]
+                .as_ref()
+                .map(|f| f.at(&state.internal)),
+        };
         Some(Here {
             rate: running.rate,
-            R: running.state.R_NB.to_rotation_matrix().into_inner(),
-            slopes: parameter_slopes((&posture, &motion), &self.shown),
+            state: *state,
+            R: state.R_NB.to_rotation_matrix().into_inner(),
+            slopes: parameter_slopes(&placed, &self.shown),
             motion,
             posture,
         })
@@ -584,19 +724,28 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let noise = self.configuration.noise.gyro;
         let residual = measured - here.rate - running.bias;
         let mut out = self.rows_of(0, &residual, noise);
-        let over_state = motion.twist_rows(&running.state).matrix();
-        let inputs = input_twists(&self.configuration, (&here.posture, motion));
+        let mut map = motion.twist_rows(&running.state);
+        if let Some(Flexing { flexible, rows, .. }) = &mut self.scratch.flexing[0] {
+            flexible.rows(motion, &running.state, (&mut map, rows), &Vector3::zeros());
+        }
+        let over_state = map.matrix();
+        let of_modes = self.scratch.flexing[0].as_ref().map(|f| &f.rows.twist);
+        let slope = |row: usize, component: usize| match component.checked_sub(STATE) {
+            None => over_state[(row, component)],
+            Some(k) => of_modes.map_or(0.0, |twist| twist[k][row]),
+        };
+        let inputs = here.placed(&self.scratch).input_twists(&self.configuration);
         let inputs = inputs.map(|t| angular(&t));
         for (axis, row) in out.rows.iter_mut().enumerate() {
             for (k, &input) in layout.inputs().iter().enumerate() {
                 row[k] = inputs[input][axis] / noise;
             }
             for (k, component) in layout.state().iter().enumerate() {
-                row[layout.pose() + k] = over_state[(AXES + axis, *component)] / noise;
+                row[layout.pose() + k] = slope(AXES + axis, *component) / noise;
             }
             row[layout.bias() + axis] = 1.0 / noise;
             for (j, &k) in layout.unknown().iter().enumerate() {
-                row[layout.theta() + j] = angular(&here.slopes[k].twist)[axis] / noise;
+                row[layout.theta() + j] = angular(&here.slopes[k].change.twist)[axis] / noise;
             }
         }
         Some(out)
@@ -697,15 +846,18 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         of_state.p_NoBo_N += part(AXES);
         of_state.P += part(LINEAR);
         of_state.h_SScm_N += part(ANGULAR);
+        of_state.internal += state.fixed_rows::<INTERNAL>(STATE);
         for axis in 0..AXES {
             running.bias[axis] += change[layout.bias() + axis];
         }
         let moved: [f64; PARAMETERS] = core::array::from_fn(|k| body[k] - self.body[k]);
         self.body = body;
         let there = self.here()?;
-        let seen = (&there.posture, &there.motion);
-        self.shown.add(&self.configuration, seen);
+        self.shown
+            .add(&self.configuration, &there.placed(&self.scratch));
         let after = there.momentum_slopes();
+        let apart: [MomentumSlope; PARAMETERS] =
+            core::array::from_fn(|k| after[k].less(&before[k]));
         let stays = moved == [0.0; PARAMETERS];
         let carried = match stays {
             true => TenByTen::zeros(),
@@ -714,14 +866,13 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let theta = layout.theta();
         for row in &mut self.rows[..layout.columns()] {
             let over = layout.of_state(row);
-            let over = over.fixed_rows::<6>(LINEAR).into_owned();
             let mut with_rate = SVector::<f64, PARAMETERS>::zeros();
             for (j, &k) in layout.unknown().iter().enumerate() {
-                with_rate[k] = row[theta + j] + over.dot(&before[k]);
+                with_rate[k] = row[theta + j] + before[k].times(&over, layout.modes);
             }
             let change = carried.tr_mul(&with_rate);
             for (j, &k) in layout.unknown().iter().enumerate() {
-                row[theta + j] += change[k] - over.dot(&(after[k] - before[k]));
+                row[theta + j] += change[k] - apart[k].times(&over, layout.modes);
             }
         }
         if stays {

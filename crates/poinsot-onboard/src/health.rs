@@ -214,6 +214,8 @@ impl Tests {
 pub(crate) struct Checkpoint {
     pub body: [f64; PARAMETERS],
     pub info: OfParameters,
+    /// Up to when they were forgotten, s.
+    pub known_s: Option<f64>,
     pub is_prior: bool,
 }
 
@@ -230,6 +232,7 @@ impl Checkpoints {
     pub const NONE: Self = Self::of(Checkpoint {
         body: [0.0; PARAMETERS],
         info: OfParameters::NONE,
+        known_s: None,
         is_prior: false,
     });
 
@@ -237,6 +240,7 @@ impl Checkpoints {
         Self::of(Checkpoint {
             body,
             info: prior,
+            known_s: None,
             is_prior: true,
         })
     }

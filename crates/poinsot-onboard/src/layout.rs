@@ -1,11 +1,12 @@
 //! Places of the columns.
 
 use crate::configuration::{AXES, Configuration, INPUTS, PARAMETERS, WHEELS};
-use crate::motion::StateVector;
+use poinsot_dynamics::propagation::{COLUMN, Column, INTERNAL, STATE};
 
-/// Components of the kernels' state `[dphi_B, dp_N, dP_N, dh_N]`, in the order of the filter's columns.
-const ROTATION: [usize; 6] = [0, 1, 2, 9, 10, 11];
-const FREE: [usize; 12] = [0, 1, 2, 9, 10, 11, 3, 4, 5, 6, 7, 8];
+/// Components of the kernels' state `[dphi_B, dp_N, dP_N, dh_N]` in the order of the filter's columns; without a position the first six
+/// count. Amplitude and momentum of each mode follow.
+const FREE: [usize; STATE] = [0, 1, 2, 9, 10, 11, 3, 4, 5, 6, 7, 8];
+const ROTATION: usize = 6;
 
 /// Places of the columns.
 #[derive(Debug, Clone, Copy)]
@@ -13,7 +14,11 @@ pub struct Layout {
     /// Errors of the inputs that have noise, the first columns.
     inputs: [usize; INPUTS],
     input_count: usize,
-    translates: bool,
+    /// Components of the kernels' state, in the order of the columns.
+    state: [usize; COLUMN],
+    state_count: usize,
+    /// Modes.
+    pub modes: usize,
     /// Unknown parameters, the last columns.
     pub parameters: usize,
     unknown: [usize; PARAMETERS],
@@ -23,16 +28,29 @@ impl Layout {
     pub const NONE: Self = Self {
         inputs: [0; INPUTS],
         input_count: 0,
-        translates: false,
+        state: [0; COLUMN],
+        state_count: 0,
+        modes: 0,
         parameters: 0,
         unknown: [0; PARAMETERS],
     };
 
     pub fn new(configuration: &Configuration) -> Self {
         let mut layout = Self {
-            translates: configuration.translates(),
+            modes: configuration.modes().len(),
             ..Self::NONE
         };
+        let free = if configuration.translates() {
+            STATE
+        } else {
+            ROTATION
+        };
+        let internal = STATE..STATE + 2 * layout.modes;
+        let state = FREE.into_iter().take(free).chain(internal);
+        for (place, component) in layout.state.iter_mut().zip(state) {
+            *place = component;
+            layout.state_count += 1;
+        }
         let noisy = (0..INPUTS).filter(|k| configuration.input_noise(*k) > 0.0);
         for (place, k) in layout.inputs.iter_mut().zip(noisy) {
             *place = k;
@@ -62,11 +80,13 @@ impl Layout {
     }
 
     /// Components of the kernels' state, in the order of the columns.
-    pub fn state(&self) -> &'static [usize] {
-        match self.translates {
-            true => &FREE,
-            false => &ROTATION,
-        }
+    pub fn state(&self) -> &[usize] {
+        &self.state[..self.state_count]
+    }
+
+    /// First column of the modes.
+    pub fn internal(&self) -> usize {
+        self.bias() - 2 * self.modes
     }
 
     /// First column of the state.
@@ -75,8 +95,8 @@ impl Layout {
     }
 
     /// The components of the state in a row over the columns.
-    pub fn of_state<const N: usize>(&self, row: &[f64; N]) -> StateVector {
-        let mut state = StateVector::zeros();
+    pub fn of_state<const N: usize>(&self, row: &[f64; N]) -> Column {
+        let mut state = Column::zeros();
         for (k, component) in self.state().iter().enumerate() {
             state[*component] = row[self.pose() + k];
         }
@@ -99,16 +119,21 @@ impl Layout {
     }
 }
 
-/// Columns that any configuration fits into: the state with a position, the bias and all parameters, a column more for each input at the
-/// other end of an interval and for the mean of each wheel, the noises of both momenta and of the bias, and `z`.
-pub const COLUMNS: usize = INPUTS + FREE.len() + AXES + PARAMETERS + INPUTS + WHEELS + 3 * AXES + 1;
+/// Columns that any configuration fits into: the state with a position and modes, the bias and all parameters, a column more for each
+/// input at the other end of an interval and for the mean of each wheel, the noises of both momenta and of the bias, and `z`.
+pub const COLUMNS: usize =
+    INPUTS + STATE + INTERNAL + AXES + PARAMETERS + INPUTS + WHEELS + 3 * AXES + 1;
 
 /// Columns that a filter must have room for.
 pub fn required_capacity(configuration: &Configuration) -> usize {
     let layout = Layout::new(configuration);
     let entering = layout.input_count + layout.wheels() + noises(configuration);
-    let update = layout.columns() + entering + 1;
-    update.max(layout.columns() + AXES)
+    let forgotten = if configuration.forget_s > 0.0 {
+        layout.parameters
+    } else {
+        0
+    };
+    layout.columns() + entering.max(forgotten).max(AXES - 1) + 1
 }
 
 /// Number of white noises that enter a step beside those of the inputs: of the momenta, and of the bias where it walks.

@@ -3,19 +3,22 @@
 use crate::configuration::{
     AXES, Configuration, INPUTS, ITERATIONS, JOINTS, PARAMETERS, WHEELS, of_joint, of_rate,
 };
-use crate::posture::{Posture, halves, momentum, stacked};
+use crate::posture::{AT_REST, Held, Posture, halves, momentum, stacked};
 use crate::sample::Sample;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField;
-use nalgebra::{ArrayStorage, Quaternion, SMatrix, SVector, SymmetricEigen, UnitQuaternion};
+use nalgebra::{ArrayStorage, SMatrix, SymmetricEigen};
 use poinsot_dynamics::propagation::{
-    BaseMotion, HALF, LockedVehicle, PoseMomentum, PoseMomentumRate, Rates, STATE, StateRows,
-    StepPoint, StepRows, pose_change, runge_kutta_step, state_in_middle,
+    BaseMotion, BodyChange, COLUMN, Column, Drives, Flexibility, FlexibleChange, FlexibleMotion,
+    FlexibleRate, FlexibleState, Internal, LockedVehicle, ModeRows, OneBody, PerMode,
+    PoseMomentumRate, Rates, STATE, StateRows, StepPoint, StepRows, pose_change, runge_kutta_step,
+    state_in_middle,
 };
 use poinsot_spatial::{Matrix3, TENSOR, Vector3, Vector6, tensor_regressor};
 
-/// Largest turn of one step, rad.
+/// Largest turn of one step, and of the phase of a mode, rad.
 const TURN: f64 = 0.1;
+const SWING: f64 = 0.2;
 /// Most steps of an interval.
 const STEPS: u32 = 64;
 /// Samples that an excitation is remembered for.
@@ -30,19 +33,8 @@ const MOVES: u32 = 32;
 /// Factor on the noise that a direction must exceed to be added: then it is accurate.
 const ADDED: f64 = 25.0;
 
-/// Numbers of a column.
-pub type StateVector = SVector<f64, STATE>;
-
 /// Momentum of the wheels about `Bo`, and twist of the base by the joints, both in B.
 pub type Acting = SMatrix<f64, 6, 2>;
-
-/// Without momentum.
-const AT_REST: PoseMomentum = PoseMomentum {
-    R_NB: UnitQuaternion::new_unchecked(Quaternion::new(1.0, 0.0, 0.0, 0.0)),
-    p_NoBo_N: Vector3::new(0.0, 0.0, 0.0),
-    P: Vector3::new(0.0, 0.0, 0.0),
-    h_SScm_N: Vector3::new(0.0, 0.0, 0.0),
-};
 
 /// What acts between two samples.
 #[derive(Debug, Clone, Copy)]
@@ -94,22 +86,32 @@ impl Bend {
 /// The state at the end of an interval over what it depends on.
 #[derive(Debug, Clone, Copy)]
 pub struct Columns {
-    pub state: [StateVector; STATE],
+    pub state: [Column; COLUMN],
     /// Over the noise of each input at both ends, one sigma.
-    pub inputs: [[StateVector; INPUTS]; 2],
+    pub inputs: [[Column; INPUTS]; 2],
     /// Over all parameters of the unknown body.
-    pub parameters: [StateVector; PARAMETERS],
+    pub parameters: [Column; PARAMETERS],
 }
 
 impl Columns {
     pub const NONE: Self = {
-        let none = StateVector::from_array_storage(ArrayStorage([[0.0; STATE]]));
+        let none = Column::from_array_storage(ArrayStorage([[0.0; COLUMN]]));
         Self {
-            state: [none; STATE],
+            state: [none; COLUMN],
             inputs: [[none; INPUTS]; 2],
             parameters: [none; PARAMETERS],
         }
     };
+
+    /// Inverse of the first `D` rows and columns of what the state becomes; the others stay.
+    // Its matrices are not on the stack of every sample.
+    #[inline(never)]
+    pub fn inverse<const D: usize>(&self) -> Option<SMatrix<f64, COLUMN, COLUMN>> {
+        let own = SMatrix::<f64, D, D>::from_fn(|i, j| self.state[j][i]).try_inverse()?;
+        let mut out = SMatrix::<f64, COLUMN, COLUMN>::identity();
+        out.fixed_view_mut::<D, D>(0, 0).copy_from(&own);
+        Some(out)
+    }
 
     /// At the beginning of an interval.
     pub fn begin(&mut self) {
@@ -118,6 +120,13 @@ impl Columns {
             column[k] = 1.0;
         }
     }
+}
+
+/// What a motion is linearised with.
+pub struct Linear<'a> {
+    pub columns: &'a mut Columns,
+    pub shown: &'a Excitation,
+    pub scratch: &'a mut Scratch,
 }
 
 /// The vehicle at one value of the parameters.
@@ -200,8 +209,8 @@ impl Excitation {
     }
 
     /// Takes the directions from what was collected.
-    pub fn settle(&mut self, configuration: &Configuration, (posture, motion): Placed) {
-        let noise = self.noise(configuration, (posture, motion));
+    pub fn settle(&mut self, configuration: &Configuration, placed: &Placed) {
+        let noise = self.noise(configuration, placed);
         let eigen = SymmetricEigen::try_new(self.scatter, f64::EPSILON, ITERATIONS);
         let Some(eigen) = eigen else {
             return;
@@ -216,8 +225,8 @@ impl Excitation {
     }
 
     /// One sample more at this motion.
-    pub fn add(&mut self, configuration: &Configuration, (posture, motion): Placed) {
-        let w = &motion.twist.w;
+    pub fn add(&mut self, configuration: &Configuration, placed: &Placed) {
+        let w = &placed.motion.twist.w;
         let kept = if self.samples < MEMORY {
             1.0
         } else {
@@ -229,7 +238,7 @@ impl Excitation {
             return;
         }
         let rest = Matrix3::identity() - self.projector;
-        let noise = ADDED * self.noise(configuration, (posture, motion));
+        let noise = ADDED * self.noise(configuration, placed);
         let across = rest * self.scatter * rest;
         if across.trace() <= noise {
             return;
@@ -247,9 +256,9 @@ impl Excitation {
     }
 
     /// Sum of squares of a velocity that may be noise.
-    fn noise(&self, configuration: &Configuration, placed: Placed) -> f64 {
+    fn noise(&self, configuration: &Configuration, placed: &Placed) -> f64 {
         let (of_gyro, of_bias) = (configuration.noise.gyro, configuration.noise.bias);
-        let inputs = input_twists(configuration, placed);
+        let inputs = placed.input_twists(configuration);
         let of_inputs: f64 = inputs.iter().map(|t| angular(t).norm_squared()).sum();
         // At the most likely inputs, by gyro, tachometers and encoders together.
         let gyro = AXES as f64 * of_gyro * of_gyro;
@@ -278,45 +287,85 @@ pub fn angular(twist: &Vector6) -> Vector3 {
     Vector3::new(twist.w, twist.a, twist.b)
 }
 
-/// The vehicle at one position and rate of its joints, and the motion of its base.
-pub type Placed<'a> = (&'a Posture, &'a BaseMotion);
-
-/// Change of the base's twist with one sigma of each input.
-pub fn input_twists(configuration: &Configuration, placed: Placed) -> [Vector6; INPUTS] {
-    let slopes = input_slopes(configuration, placed);
-    core::array::from_fn(|k| slopes[k] * configuration.input_noise(k))
+/// The vehicle at one position and rate of its joints, the motion of its base, and its modes with their state.
+#[derive(Clone, Copy)]
+pub struct Placed<'a> {
+    pub posture: &'a Posture,
+    pub motion: &'a FlexibleMotion,
+    pub modes: Option<(&'a Flexibility, &'a Internal)>,
 }
 
-/// The same per unit.
-fn input_slopes(configuration: &Configuration, (posture, motion): Placed) -> [Vector6; INPUTS] {
-    let mut out = [Vector6::zeros(); INPUTS];
-    for (out, wheel) in out.iter_mut().zip(configuration.wheels()) {
-        let h = Vector3::from(wheel.axis_B) * wheel.spin_inertia;
-        *out = motion.twist_slope(&stacked(&Vector3::zeros(), &h), &Vector3::zeros());
+impl Placed<'_> {
+    /// Change of the motion, pose and momenta held.
+    fn answer(&self, held: &Held) -> FlexibleChange {
+        let twist = self.motion.twist_slope(&held.momentum, &held.centre);
+        let Some((flexible, internal)) = self.modes else {
+            return FlexibleChange::of_twist(twist);
+        };
+        let mut of = BodyChange {
+            dc: held.centre,
+            dm: held.mass,
+            ..BodyChange::default()
+        };
+        let body = OneBody {
+            over: 0,
+            momentum: held.momentum,
+            dm: held.mass,
+            dmc: held.first_moment,
+        };
+        flexible.add_body(self.motion, (&mut of.held, &body), &Vector3::zeros());
+        flexible.with_bodies((self.motion, internal), &twist, &of)
     }
-    for j in 0..configuration.joints().len() {
-        out[of_joint(j)] = posture.of_position(j, motion);
-        out[of_rate(j)] = posture.of_rate(j, motion);
+
+    /// Change of the rates of the modes' state with such a change.
+    fn mode_rates(&self, change: &FlexibleChange, force: &Vector3) -> Internal {
+        self.modes.map_or_else(Internal::zeros, |(flexible, _)| {
+            flexible.rate_change(self.motion, change, force)
+        })
     }
-    out
+
+    /// Change of the motion per unit of an input.
+    fn input_slope(&self, configuration: &Configuration, k: usize) -> FlexibleChange {
+        let joints = configuration.joint_count;
+        let held = match k.checked_sub(WHEELS) {
+            None => {
+                let wheel = configuration.wheels().get(k);
+                let h = wheel.map(|w| Vector3::from(w.axis_B) * w.spin_inertia);
+                let h = stacked(&Vector3::zeros(), &h.unwrap_or_default());
+                Held::of_motion(h, Vector3::zeros())
+            }
+            Some(j) if j < joints => self.posture.of_position(j, self.motion),
+            Some(j) if (JOINTS..JOINTS + joints).contains(&j) => self.posture.of_rate(j - JOINTS),
+            Some(_) => return FlexibleChange::of_twist(Vector6::zeros()),
+        };
+        self.answer(&held)
+    }
+
+    /// Change of the base's twist with one sigma of each input.
+    pub fn input_twists(&self, configuration: &Configuration) -> [Vector6; INPUTS] {
+        core::array::from_fn(|k| match configuration.input_noise(k) {
+            0.0 => Vector6::zeros(),
+            noise => self.input_slope(configuration, k).twist * noise,
+        })
+    }
 }
 
 /// What one parameter does at the present motion.
 #[derive(Debug, Clone, Copy)]
 pub struct ParameterSlope {
-    /// To the base's twist, pose and momentum held.
-    pub twist: Vector6,
-    /// To the momentum about the mass centre in B, pose and twist held.
+    /// To the motion, pose and momenta held.
+    pub change: FlexibleChange,
+    /// To the momentum about the mass centre in B, pose and rates held, and to the momenta of the modes.
     pub momentum: Vector6,
-    /// To the mass centre in B.
+    pub of_modes: PerMode,
+    /// To the mass centre in B, and to the mass.
     pub centre: Vector3,
+    pub mass: f64,
 }
 
 /// What each parameter of the unknown body does.
-pub fn parameter_slopes(
-    (posture, motion): Placed,
-    shown: &Excitation,
-) -> [ParameterSlope; PARAMETERS] {
+pub fn parameter_slopes(placed: &Placed, shown: &Excitation) -> [ParameterSlope; PARAMETERS] {
+    let (posture, motion) = (placed.posture, placed.motion);
     let (c, l_B) = (motion.centre.p_BoScm_B, motion.centre.l_B);
     let (R, p) = (&posture.unknown.R, &posture.unknown.p);
     let shown_w = shown.projector * motion.twist.w;
@@ -344,15 +393,31 @@ pub fn parameter_slopes(
         let h = h + p.cross(&l);
         let centre = motion.mass_centre_slope(R, p, k);
         let about_centre = h - c.cross(&l) - centre.cross(&l_B);
-        ParameterSlope {
-            twist: motion.twist_slope(&stacked(&l, &h), &centre),
-            momentum: stacked(&l, &about_centre),
+        let (mass, first_moment) = match k {
+            0 => (1.0, *p),
+            1..=AXES => (0.0, R.column(k - 1).into_owned()),
+            _ => (0.0, Vector3::zeros()),
+        };
+        let held = Held {
+            momentum: stacked(&l, &h),
             centre,
+            mass,
+            first_moment,
+        };
+        let relative = l - l_B * (mass / motion.centre.mass);
+        let of_modes = placed.modes.map(|(f, _)| f.momenta_change(&relative));
+        ParameterSlope {
+            change: placed.answer(&held),
+            momentum: stacked(&l, &about_centre),
+            of_modes: of_modes.unwrap_or_default(),
+            centre,
+            mass,
         }
     })
 }
 
 /// The equations at one point of a step.
+#[derive(Debug, Clone)]
 struct Point {
     pose: StateRows,
     push: StateRows,
@@ -361,23 +426,73 @@ struct Point {
     pushes: [Vector6; PARAMETERS],
 }
 
+/// The modes at one point of a step, and what the linearised equations need beside those of the base.
+#[derive(Debug, Clone, Default)]
+pub struct Flexing {
+    pub flexible: Flexibility,
+    pub rows: ModeRows,
+    inputs: [Internal; INPUTS],
+    parameters: [Internal; PARAMETERS],
+}
+
+impl Flexing {
+    /// The modes with their state.
+    pub fn at<'a>(&'a self, internal: &'a Internal) -> (&'a Flexibility, &'a Internal) {
+        (&self.flexible, internal)
+    }
+}
+
+/// What a step is computed in: too large for the stack.
+#[derive(Debug, Clone)]
+pub struct Scratch {
+    /// Of a vehicle with modes.
+    pub flexing: [Option<Flexing>; 3],
+    points: [Option<Point>; 3],
+}
+
+impl Scratch {
+    /// For a vehicle without modes.
+    pub const NONE: Self = Self {
+        flexing: [const { None }; 3],
+        points: [const { None }; 3],
+    };
+}
+
 /// The locked vehicle at the three points of a step.
 struct OverStep<'a> {
     locked: &'a [LockedVehicle; 3],
+    flexing: &'a [Option<Flexing>; 3],
     interval: &'a Interval,
 }
 
-impl Rates for OverStep<'_> {
-    fn rate(&mut self, at: StepPoint, state: &PoseMomentum) -> Option<PoseMomentumRate> {
-        let locked = match at {
-            StepPoint::Begin => &self.locked[0],
-            StepPoint::Middle => &self.locked[1],
-            StepPoint::End => &self.locked[2],
+impl Rates<FlexibleState> for OverStep<'_> {
+    fn rate(&mut self, at: StepPoint, state: &FlexibleState) -> Option<FlexibleRate> {
+        let at = match at {
+            StepPoint::Begin => 0,
+            StepPoint::Middle => 1,
+            StepPoint::End => 2,
         };
-        let motion = locked.base_motion(state);
+        let flexible = self.flexing[at].as_ref().map(|f| &f.flexible);
+        let motion = motion_of(&self.locked[at], flexible, state)?;
         let torque = self.interval.central_torque(&motion);
-        let wrench = (&self.interval.force_B, &torque);
-        Some(PoseMomentumRate::new(state, &motion.twist, wrench))
+        let force = &self.interval.force_B;
+        let of_modes = flexible.map(|f| f.rate(&motion, &state.internal, force));
+        Some(FlexibleRate {
+            rigid: PoseMomentumRate::new(state, &motion.twist, (force, &torque)),
+            internal: of_modes.unwrap_or_default(),
+        })
+    }
+}
+
+/// Motion of a vehicle, with modes where it has some.
+pub fn motion_of(
+    locked: &LockedVehicle,
+    flexible: Option<&Flexibility>,
+    state: &FlexibleState,
+) -> Option<FlexibleMotion> {
+    match flexible {
+        Some(flexible) => flexible.motion(locked, state),
+        None => Some(locked.base_motion(state).into()),
     }
 }
 
@@ -496,18 +611,37 @@ impl<'a> Moving<'a> {
         Some((posture, locked))
     }
 
-    /// Follows a state over an interval, and its columns where they are asked for.
+    /// The same, with its modes.
+    pub fn place(
+        &self,
+        inputs: &[f64; INPUTS],
+        more: &Acting,
+        flexing: &mut Option<Flexing>,
+    ) -> Option<(Posture, LockedVehicle)> {
+        let (posture, locked) = self.locked(inputs, more)?;
+        if let Some(flexing) = flexing {
+            let modes = self.configuration.modes();
+            flexing.flexible.place_on_base(modes, &locked)?;
+        }
+        Some((posture, locked))
+    }
+
+    /// Follows a state over an interval, with its columns.
     pub fn follow(
         &self,
-        state: &PoseMomentum,
+        state: &FlexibleState,
         interval: &Interval,
-        mut linear: Option<(&mut Columns, &Excitation)>,
-    ) -> Option<PoseMomentum> {
+        mut linear: Linear,
+    ) -> Option<FlexibleState> {
         let inputs = interval.inputs_at(0.0);
-        let start = self.locked(&inputs, &Acting::zeros())?.1;
+        let first = &mut linear.scratch.flexing[0];
+        let (_, start) = self.place(&inputs, &Acting::zeros(), first)?;
+        let flexible = first.as_ref().map(|f| &f.flexible);
         let joints = inputs[of_rate(0)..].iter().map(|rate| rate.abs());
-        let fastest = start.base_motion(state).twist.w.norm() + joints.sum::<f64>();
-        let turns = (fastest * interval.dt.abs() / TURN).ceil();
+        let swings = flexible.map_or(0.0, |f| f.fastest_of_all(&start));
+        let turn = motion_of(&start, flexible, state)?.twist.w.norm();
+        let fastest = (turn + joints.sum::<f64>()) / TURN + swings / SWING;
+        let turns = (fastest * interval.dt.abs()).ceil();
         if !turns.is_finite() || turns > f64::from(STEPS) {
             return None;
         }
@@ -526,97 +660,136 @@ impl<'a> Moving<'a> {
 
     fn step(
         &self,
-        state: &PoseMomentum,
+        state: &FlexibleState,
         interval: &Interval,
         (shares, dt): ([f64; 3], f64),
-        linear: &mut Option<(&mut Columns, &Excitation)>,
-    ) -> Option<PoseMomentum> {
-        let locked = |share: f64| {
-            let locked = self.locked(&interval.inputs_at(share), &interval.beyond(share));
-            Some(locked?.1)
+        linear: &mut Linear,
+    ) -> Option<FlexibleState> {
+        let flexing = &mut linear.scratch.flexing;
+        let place = |share: f64, flexing: &mut Option<Flexing>| {
+            let (inputs, beyond) = (interval.inputs_at(share), interval.beyond(share));
+            Some(self.place(&inputs, &beyond, flexing)?.1)
         };
-        let [begin, half, full] = shares;
-        let locked = &[locked(begin)?, locked(half)?, locked(full)?];
-        let mut over = OverStep { locked, interval };
+        let locked = &[
+            place(shares[0], &mut flexing[0])?,
+            place(shares[1], &mut flexing[1])?,
+            place(shares[2], &mut flexing[2])?,
+        ];
+        let mut over = OverStep {
+            locked,
+            flexing,
+            interval,
+        };
         let rate = over.rate(StepPoint::Begin, state)?;
         let end = runge_kutta_step(state, &rate, dt, &mut over)?;
-        if let Some((columns, shown)) = linear {
-            let last = over.rate(StepPoint::End, &end)?;
-            let middle = state_in_middle((state, &rate), (&end, &last), dt);
-            let point = |share: f64, state: &PoseMomentum| {
-                let inputs = shown.calm(&interval.inputs_at(share));
-                let (posture, locked) = self.locked(&inputs, &interval.beyond(share))?;
-                let motion = locked.base_motion(state);
-                Some(self.point((&posture, &motion), state, interval, shown))
-            };
-            let points = [
-                point(begin, state)?,
-                point(half, &middle)?,
-                point(full, &end)?,
-            ];
-            self.carry(&points, (shares, interval), dt, columns);
+        let last = over.rate(StepPoint::End, &end)?;
+        let middle = state_in_middle((state, &rate), (&end, &last), dt);
+        for (at, state) in [state, &middle, &end].into_iter().enumerate() {
+            let place = (linear.shown, &mut linear.scratch.flexing[at]);
+            linear.scratch.points[at] = Some(self.point(state, (interval, shares[at]), place)?);
         }
+        self.carry((shares, interval), dt, linear)?;
         Some(end)
     }
 
+    // Its arrays are not on the stack of every sample.
+    #[inline(never)]
     fn point(
         &self,
-        (posture, motion): Placed,
-        state: &PoseMomentum,
-        interval: &Interval,
-        shown: &Excitation,
-    ) -> Point {
+        state: &FlexibleState,
+        (interval, share): (&Interval, f64),
+        (shown, flexing): (&Excitation, &mut Option<Flexing>),
+    ) -> Option<Point> {
+        let inputs = shown.calm(&interval.inputs_at(share));
+        let (posture, locked) = self.place(&inputs, &interval.beyond(share), flexing)?;
+        let flexible = flexing.as_ref().map(|f| &f.flexible);
+        let motion = &motion_of(&locked, flexible, state)?;
+        let placed = Placed {
+            posture: &posture,
+            motion,
+            modes: flexible.map(|f| (f, &state.internal)),
+        };
         let R: Matrix3 = state.R_NB.to_rotation_matrix().into_inner();
+        let force = &interval.force_B;
+        let slopes = parameter_slopes(&placed, shown);
+        let inputs: [FlexibleChange; INPUTS] =
+            core::array::from_fn(|k| placed.input_slope(self.configuration, k));
+        let own = slopes.each_ref().map(|s| {
+            let lighter = force * (-s.mass / motion.centre.mass);
+            placed.mode_rates(&s.change, &lighter)
+        });
+        let by_inputs = inputs
+            .each_ref()
+            .map(|x| placed.mode_rates(x, &Vector3::zeros()));
+        let mut map = motion.twist_rows(state);
+        if let Some(flexing) = flexing {
+            let Flexing { flexible, rows, .. } = flexing;
+            flexible.rows(motion, state, (&mut map, rows), force);
+            (flexing.inputs, flexing.parameters) = (by_inputs, own);
+        }
         let torque = interval.central_torque(motion);
-        let slopes = parameter_slopes((posture, motion), shown);
-        let inputs = input_slopes(self.configuration, (posture, motion));
-        Point {
-            pose: motion.pose_rows(state, &motion.twist_rows(state)),
-            push: StateRows::of_wrench(state, &interval.force_B, &torque),
-            inputs: inputs.map(|t| pose_change(&R, &t)),
-            parameters: slopes.map(|s| pose_change(&R, &s.twist)),
+        Some(Point {
+            pose: motion.pose_rows(state, &map),
+            push: StateRows::of_wrench(state, force, &torque),
+            inputs: inputs.map(|x| pose_change(&R, &x.twist)),
+            parameters: slopes.each_ref().map(|s| pose_change(&R, &s.change.twist)),
             pushes: slopes.map(|s| {
-                let h = R * interval.force_B.cross(&s.centre);
+                let h = R * force.cross(&s.centre);
                 Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z)
             }),
-        }
+        })
     }
 
     /// Carries all columns over a step.
     fn carry(
         &self,
-        points: &[Point; 3],
         (shares, interval): ([f64; 3], &Interval),
         dt: f64,
-        columns: &mut Columns,
-    ) {
+        linear: &mut Linear,
+    ) -> Option<()> {
+        let Scratch { flexing, points } = &*linear.scratch;
         let [begin, middle, end] = points;
+        let points = [begin.as_ref()?, middle.as_ref()?, end.as_ref()?];
+        let flexing = flexing.each_ref().map(Option::as_ref);
         let rows = StepRows {
-            pose: [&begin.pose, &middle.pose, &end.pose],
-            momentum: [Some(&begin.push), Some(&middle.push), Some(&end.push)],
-            modes: [None; 3],
+            pose: points.map(|p| &p.pose),
+            momentum: points.map(|p| Some(&p.push)),
+            modes: flexing.map(|f| f.map(|f| &f.rows)),
         };
-        let none = [[0.0; HALF]; 3];
-        for column in &mut columns.state {
-            rows.carry(&mut column.data.0[0], &none, &none, dt);
+        let of_modes = |part: &dyn Fn(&Flexing) -> Internal| {
+            flexing.map(|f| f.map_or_else(Internal::zeros, part).into())
+        };
+        let columns = &mut *linear.columns;
+        let used = STATE + 2 * self.configuration.mode_count;
+        for column in columns.state.iter_mut().take(used) {
+            rows.carry_column(column, &Drives::NONE, dt);
         }
         for (end, of_end) in columns.inputs.iter_mut().enumerate() {
             for (k, column) in of_end.iter_mut().enumerate() {
                 let noise = self.configuration.input_noise(k);
                 if noise > 0.0 {
-                    let drive = [0, 1, 2].map(|at| {
+                    let mut drives = Drives::NONE;
+                    for at in 0..3 {
                         let [(a, of_a), (b, of_b)] = interval.error(k, end, shares[at]);
                         let inputs = &points[at].inputs;
-                        ((inputs[a] * of_a + inputs[b] * of_b) * noise).into()
-                    });
-                    rows.carry(&mut column.data.0[0], &drive, &none, dt);
+                        let pose = (inputs[a] * of_a + inputs[b] * of_b) * noise;
+                        drives.pose[at] = pose.into();
+                        if let Some(own) = flexing[at].map(|f| &f.inputs) {
+                            drives.internal[at] = ((own[a] * of_a + own[b] * of_b) * noise).into();
+                        }
+                    }
+                    rows.carry_column(column, &drives, dt);
                 }
             }
         }
         for (k, column) in columns.parameters.iter_mut().enumerate() {
-            let pose = points.each_ref().map(|p| p.parameters[k].into());
-            let push = points.each_ref().map(|p| p.pushes[k].into());
-            rows.carry(&mut column.data.0[0], &pose, &push, dt);
+            let drives = Drives {
+                pose: points.map(|p| p.parameters[k].into()),
+                push: points.map(|p| p.pushes[k].into()),
+                internal: of_modes(&|f| f.parameters[k]),
+            };
+            rows.carry_column(column, &drives, dt);
         }
+        Some(())
     }
 }

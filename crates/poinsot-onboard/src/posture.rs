@@ -5,11 +5,19 @@
 use crate::configuration::{
     AXES, Configuration, INPUTS, ITERATIONS, JOINTS, Joint, PARAMETERS, of_joint, of_rate,
 };
-use nalgebra::{SMatrix, SymmetricEigen};
+use nalgebra::{Quaternion, SMatrix, SymmetricEigen};
 use poinsot_dynamics::Composite;
-use poinsot_dynamics::propagation::{BaseMotion, LockedVehicle};
+use poinsot_dynamics::propagation::{BaseMotion, Flexibility, LockedVehicle, PoseMomentum};
 use poinsot_spatial::{
     InertialParameters, Matrix3, Rotation3, UnitQuaternion, Vector3, Vector6, elements, tensor,
+};
+
+/// Without momentum.
+pub const AT_REST: PoseMomentum = PoseMomentum {
+    R_NB: UnitQuaternion::new_unchecked(Quaternion::new(1.0, 0.0, 0.0, 0.0)),
+    p_NoBo_N: Vector3::new(0.0, 0.0, 0.0),
+    P: Vector3::new(0.0, 0.0, 0.0),
+    h_SScm_N: Vector3::new(0.0, 0.0, 0.0),
 };
 
 /// Position of a frame.
@@ -29,7 +37,7 @@ impl Pose {
 
     /// A frame that stands in this one at a quaternion x, y, z, w and a position.
     fn then(&self, [x, y, z, w]: [f64; 4], p: [f64; AXES]) -> Self {
-        let q = nalgebra::Quaternion::new(w, x, y, z);
+        let q = Quaternion::new(w, x, y, z);
         let R = UnitQuaternion::new_unchecked(q).to_rotation_matrix();
         Self {
             R: self.R * R.matrix(),
@@ -68,6 +76,30 @@ pub struct Posture {
     /// Twist of each link by the joints alone, and momentum of what it carries beside that of its own twist.
     twists: [Vector6; JOINTS],
     beyond: [Vector6; JOINTS],
+}
+
+/// What changes at the present motion, pose and rates held.
+#[derive(Debug, Clone, Copy)]
+pub struct Held {
+    /// The momentum about `Bo`.
+    pub momentum: Vector6,
+    /// The mass centre.
+    pub centre: Vector3,
+    /// The mass, and the first moment about `Bo`.
+    pub mass: f64,
+    pub first_moment: Vector3,
+}
+
+impl Held {
+    /// Bodies stay as they are.
+    pub fn of_motion(momentum: Vector6, centre: Vector3) -> Self {
+        Self {
+            momentum,
+            centre,
+            mass: 0.0,
+            first_moment: Vector3::zeros(),
+        }
+    }
 }
 
 /// Linear and angular part.
@@ -189,16 +221,16 @@ impl Posture {
         SMatrix::<f64, 6, PARAMETERS>::from_columns(&columns)
     }
 
-    /// Change of the base's twist with the rate of a joint.
-    pub fn of_rate(&self, j: usize, motion: &BaseMotion) -> Vector6 {
+    /// What the rate of a joint changes.
+    pub fn of_rate(&self, j: usize) -> Held {
         let momentum = momentum(&self.carried[j], &self.screws[j]);
-        motion.twist_slope(&momentum, &Vector3::zeros())
+        Held::of_motion(momentum, Vector3::zeros())
     }
 
-    /// Change of the base's twist with the position of a joint.
+    /// What the position of a joint changes.
     ///
     /// What the joint carries is turned with its momentum, but its twist as far as the joint's own link has it does not turn.
-    pub fn of_position(&self, j: usize, motion: &BaseMotion) -> Vector6 {
+    pub fn of_position(&self, j: usize, motion: &BaseMotion) -> Held {
         let carried = &self.carried[j];
         let (v, w) = halves(&self.screws[j]);
         let link = self.twists[j] + stacked(&motion.twist.v, &motion.twist.w);
@@ -208,15 +240,26 @@ impl Posture {
         let held = stacked(&(w.cross(&v_link) + v.cross(&w_link)), &w.cross(&w_link));
         let centre = (v * carried.mass + w.cross(&carried.mc_B)) / motion.centre.mass;
         let change = turned - momentum(carried, &held);
-        motion.twist_slope(&change, &centre)
+        Held::of_motion(change, centre)
     }
 }
 
 impl Configuration {
     /// Whether the vehicle has a positive mass and central inertia with these parameters, its joints at zero.
     pub(crate) fn is_possible(&self, body: &[f64; PARAMETERS]) -> bool {
-        let whole = Posture::new(self, body, &[0.0; INPUTS]).whole;
-        central_moments(&whole).is_some_and(|smallest| smallest > 0.0)
+        let posture = Posture::new(self, body, &[0.0; INPUTS]);
+        let positive = central_moments(&posture.whole).is_some_and(|smallest| smallest > 0.0);
+        positive && (self.mode_count == 0 || self.holds_modes(&posture).is_some())
+    }
+
+    /// Whether its modes carry less than the vehicle weighs and turns.
+    // They are not on the stack of every sample.
+    #[inline(never)]
+    fn holds_modes(&self, posture: &Posture) -> Option<()> {
+        let locked = posture.locked(&Vector6::zeros())?;
+        let mut flexible = Flexibility::default();
+        flexible.place_on_base(self.modes(), &locked)?;
+        flexible.motion(&locked, &AT_REST.into()).map(|_| ())
     }
 }
 

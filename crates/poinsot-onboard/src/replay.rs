@@ -5,6 +5,8 @@ use crate::filter::{Filter, GATE, MOVED};
 use crate::health::{Checkpoint, Verdict};
 use crate::motion::{Bend, Excitation, Moving};
 use crate::sample::Sample;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField;
 
 /// Shares of the prior by which the motion may deviate from that of the parameters in the first passes: far from the truth a motion
 /// without noise leaves the data, and its linearisation with it.
@@ -46,7 +48,13 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     fn is_near(&self) -> bool {
         let sigma = self.of_parameters().sigma(self.layout.parameters);
         let mut pairs = self.layout.unknown().iter().zip(&sigma);
-        pairs.all(|(&k, sigma)| *sigma <= NEAR * self.prior_sigma[k])
+        // What walks is not known better than it walks in the window.
+        let walked = match self.configuration.forget_s {
+            0.0 => 0.0,
+            forget => self.window.length_s() / forget,
+        };
+        let near = (NEAR * NEAR + walked).sqrt();
+        pairs.all(|(&k, sigma)| *sigma <= near * self.prior_sigma[k])
     }
 
     /// One sample. Parameters stay while the window is replayed.
@@ -90,7 +98,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             }
             if let Some(here) = self.here() {
                 self.shown
-                    .settle(&self.configuration, (&here.posture, &here.motion));
+                    .settle(&self.configuration, &here.placed(&self.scratch));
             }
             level += usize::from(farthest <= FAR || level >= LOOSE.len());
             self.body = self.nearest(&change);
@@ -139,6 +147,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let here = Checkpoint {
             body: self.body,
             info: self.of_parameters(),
+            known_s: self.known_s,
             is_prior: false,
         };
         match verdict {
@@ -158,6 +167,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
                 self.tests.alarm();
                 self.body = back.body;
                 self.set_parameters(&back.info);
+                self.known_s = back.known_s;
                 self.window.done = true;
                 if back.is_prior {
                     self.window.restart();

@@ -3,7 +3,10 @@
 use crate::configuration::HELD_BACK;
 use crate::motion::{Acting, Bend, Moving};
 use crate::sample::Sample;
+use core::f64::consts::TAU;
 use nalgebra::ArrayStorage;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField;
 use poinsot_spatial::Vector6;
 
 /// No momentum and no twist.
@@ -11,7 +14,7 @@ const NOTHING: Acting = Acting::from_array_storage(ArrayStorage([[0.0; 6]; 2]));
 /// No force and no torque.
 const NONE: Vector6 = Vector6::from_array_storage(ArrayStorage([[0.0; 6]]));
 
-/// Largest turn between the samples of a window that is thinned, rad.
+/// Largest turn between the samples of a window that is thinned, of the vehicle or of the phase of a mode, rad.
 const TURN: f64 = 0.25;
 /// Refused samples in a row, each soon after the one before, that show a new clock.
 const NEW_CLOCK: u32 = 3;
@@ -212,6 +215,15 @@ impl<const WINDOW: usize> Window<WINDOW> {
         (self.done, self.replayed) = (false, false);
     }
 
+    /// Time from the first sample to the last, s.
+    pub fn length_s(&self) -> f64 {
+        let of = self.samples[..self.count].iter();
+        of.clone()
+            .last()
+            .zip(of.clone().next())
+            .map_or(0.0, |(b, a)| b.time_s - a.time_s)
+    }
+
     /// Takes a sample, or leaves it out; whether it took it.
     pub fn gather(&mut self, sample: &Sample, moving: &Moving) -> bool {
         self.gather_every(sample, (&Bend::NONE, moving), 1 << self.thinned)
@@ -278,7 +290,10 @@ impl<const WINDOW: usize> Window<WINDOW> {
         };
         let squares = self.samples.iter().filter_map(turn);
         let fastest = squares.fold(0.0, f64::max);
-        if next > moving.configuration.longest_gap_s || next * next * fastest > TURN * TURN {
+        let modes = moving.configuration.modes().iter();
+        let swings = modes.fold(0.0, |most: f64, m| most.max(TAU * m.frequency_Hz));
+        let turn = next * fastest.sqrt().max(swings);
+        if next > moving.configuration.longest_gap_s || turn > TURN {
             return false;
         }
         (self.count, self.left_out) = (0, 0);

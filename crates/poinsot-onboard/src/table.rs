@@ -1,12 +1,12 @@
 //! A configuration as bytes: written on the ground, read without parsing text.
 //!
-//! All numbers are little-endian. Version 2 has [`TABLE`] bytes:
+//! All numbers are little-endian. Version 3 has [`TABLE`] bytes:
 //!
 //! | offset | type | content |
 //! |---|---|---|
 //! | 0 | 8 bytes | `PNONBRD` and a zero |
-//! | 8 | u32 | version, 2 |
-//! | 12 | u32 | number of bytes, 2708 |
+//! | 8 | u32 | version, 3 |
+//! | 12 | u32 | number of bytes, 3532 |
 //! | 16 | u32 | number of wheels |
 //! | 20 | u32 | unknown parameters: bit k for the k-th of `poinsot_spatial::PARAMETER_NAMES` |
 //! | 24 | u32 | samples that are held back |
@@ -14,7 +14,7 @@
 //! | 32 | u32 | link of the unknown body |
 //! | 36 | u32 | joints that slide: bit k for the k-th |
 //! | 40 | 7 x u32 | links that carry the joints |
-//! | 68 | u32 | zero |
+//! | 68 | u32 | number of modes |
 //! | 72 | 10 x f64 | known parameters of the base |
 //! | 152 | 10 x f64 | nominal parameters of the unknown body |
 //! | 232 | 10 x 10 x f64 | square root of the prior information, row by row |
@@ -23,15 +23,17 @@
 //! | 1400 | 2 x f64 | longest gap, time to stale |
 //! | 1416 | 7 x f64 | unknown body in its link: rotation x, y, z, w, position |
 //! | 1472 | 7 x 22 x f64 | joints: rotation x, y, z, w, position, axis, known parameters, noise of position and rate |
-//! | 2704 | u32 | CRC-32 of all bytes before it (ISO 3309, as in zlib) |
+//! | 2704 | 6 x 17 x f64 | modes: frequency, damping ratio, translation, rotation, slope of inertia column by column |
+//! | 3520 | f64 | time to forget |
+//! | 3528 | u32 | CRC-32 of all bytes before it (ISO 3309, as in zlib) |
 
 use crate::check::Invalid;
 use crate::configuration::{Configuration, JOINTS};
 
 /// Bytes of a table.
-pub const TABLE: usize = 2708;
+pub const TABLE: usize = 3532;
 const MAGIC: [u8; 8] = *b"PNONBRD\0";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 const CHECKED: usize = TABLE - 4;
 /// Words before the numbers, and the place of the first parent among them.
 const WORDS: usize = FIRST_PARENT + JOINTS + 1;
@@ -102,6 +104,7 @@ impl Configuration {
         for (place, joint) in out[FIRST_PARENT..].iter_mut().zip(&self.joints) {
             *place = count(joint.parent);
         }
+        out[WORDS - 1] = count(self.mode_count);
         out
     }
 
@@ -131,6 +134,7 @@ impl Configuration {
             reorder: reorder as usize,
             joint_count: joints as usize,
             unknown_link: link as usize,
+            mode_count: u32::from_le_bytes(words[WORDS - 1]) as usize,
             ..Self::NONE
         };
         for (k, joint) in out.joints.iter_mut().enumerate() {

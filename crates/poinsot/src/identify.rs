@@ -16,7 +16,9 @@ use poinsot_identify::{
     Settings, linear, linear_predicted, maximum_likelihood_predicted, maximum_likelihood_with,
     predicted_by,
 };
-use poinsot_model::{Joint, Model, TelemetryMap, read_model, read_model_text, read_telemetry_map};
+use poinsot_model::{
+    Body, Joint, Model, TelemetryMap, read_model, read_model_text, read_telemetry_map,
+};
 use poinsot_papers::{Settings as MethodSettings, answered, identify_by, method};
 use poinsot_telemetry::checks::{self, Check, Finding, Policies, Policy};
 use poinsot_telemetry::{
@@ -601,6 +603,7 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
     pace.over()?;
     let (mut estimate, predictions) = predicted?;
     known_as_exact(&model, &mut estimate);
+    taken_as_constant(&model, &mut estimate);
     let findings = motor_torque::contradictions((&model, &tree), &tables, &bound);
     if bound.dropped > ALLOWED_LOSS {
         not_acceptable(&mut estimate, bound.dropped, "a segment");
@@ -637,6 +640,17 @@ fn known_as_exact(model: &Model, estimate: &mut Estimate) {
         estimate.add(Remark::assumption(
             "assumed: known numbers exact, because this method ignores their uncertainties; its sigmas include sensor noise only",
         ));
+    }
+}
+
+/// Says of each body whose numbers are declared to change that they do not here.
+fn taken_as_constant(model: &Model, estimate: &mut Estimate) {
+    let forgets = |b: &&Body| b.prior.is_some_and(|p| p.forget_s.is_some());
+    for body in model.bodies.iter().filter(forgets) {
+        estimate.add(Remark::assumption(format!(
+            "assumed: the numbers of '{}' stay over all records; forget_s is for the on-board filter",
+            body.name
+        )));
     }
 }
 

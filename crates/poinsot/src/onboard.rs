@@ -96,7 +96,17 @@ impl OnBoard {
         configuration.unknown_rotation = quaternion(&R);
         configuration.unknown_position = p.into();
         let configuration = rigid.add_wheels(configuration, model)?;
+        let mut configuration = rigid.add_modes(configuration, model)?;
+        configuration.forget_s = body.prior.and_then(|p| p.forget_s).unwrap_or(0.0);
         assumed.extend(unused(model));
+        let open = model
+            .modes
+            .iter()
+            .filter(|m| !m.estimate.words().is_empty());
+        assumed.extend(open.map(|m| {
+            let (name, words) = (&m.name, m.estimate.words().join(", "));
+            format!("assumed: {words} of mode '{name}' as declared; identify finds such numbers")
+        }));
         let locked = model.joints.iter().filter(|j| j.locked_at.is_some());
         assumed.extend(locked.map(|j| {
             let (at, unit) = (j.standing_at(), channel_names::joint_unit(j));
@@ -251,7 +261,6 @@ fn unknown_body(model: &Model) -> Result<usize, Error> {
         .filter(|(_, b)| b.estimate.any());
     let refuse = |problem: &str| unsupported(problem, "use identify for this model");
     match (unknown.next(), unknown.next()) {
-        _ if !model.modes.is_empty() => Err(refuse("the on-board filter has no flexible modes")),
         _ if model.joints.iter().any(Joint::is_passive) => Err(refuse(
             "the on-board filter has no joints that springs move",
         )),

@@ -3,7 +3,7 @@
 use super::internal::INTERNAL;
 use super::modes::ModeRows;
 use super::rows::{StateRows, add};
-use super::{COLUMN, HALF, STATE};
+use super::{COLUMN, Column, HALF, STATE};
 use crate::algebra::Real;
 use core::ops::Mul;
 
@@ -18,12 +18,24 @@ pub struct StepRows<'v, R = f64> {
     pub modes: [Option<&'v ModeRows>; 3],
 }
 
-/// `b` of a column at the three points: of pose, momenta and modes.
+/// `b` of a column at the three points.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Drives<T> {
+pub struct Drives<T = f64> {
+    /// Of the pose.
     pub pose: [[T; HALF]; 3],
+    /// Of the momenta.
     pub push: [[T; HALF]; 3],
+    /// Of the modes.
     pub internal: [[T; INTERNAL]; 3],
+}
+
+impl Drives {
+    /// Zero.
+    pub const NONE: Self = Self {
+        pose: [[0.0; HALF]; 3],
+        push: [[0.0; HALF]; 3],
+        internal: [[0.0; INTERNAL]; 3],
+    };
 }
 
 impl<R: Copy> StepRows<'_, R> {
@@ -131,6 +143,16 @@ impl<R: Copy> StepRows<'_, R> {
 }
 
 impl StepRows<'_> {
+    /// Carries a column over a step of `dt` seconds.
+    pub fn carry_column(&self, x: &mut Column, drives: &Drives, dt: f64) {
+        let x = &mut x.data.0[0];
+        if self.modes.iter().any(Option::is_some) {
+            self.carry_flexible(x, drives, dt);
+        } else if let Some(x) = x.first_chunk_mut() {
+            self.carry(x, &drives.pose, &drives.push, dt);
+        }
+    }
+
     /// Carries a column of a vehicle with modes over a step of `dt` seconds, its pose, momenta and modes.
     #[inline(always)]
     pub(super) fn carry_flexible<T: Real>(&self, x: &mut [T; COLUMN], drives: &Drives<T>, dt: f64) {

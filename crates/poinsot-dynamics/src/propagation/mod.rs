@@ -24,7 +24,7 @@ mod modes;
 mod rows;
 mod state;
 
-pub use carry::StepRows;
+pub use carry::{Drives, StepRows};
 #[cfg(feature = "std")]
 pub use columns::ColumnDrives;
 pub use hinges::{HeldChange, Hinge, PassiveJoint, PassiveJoints};

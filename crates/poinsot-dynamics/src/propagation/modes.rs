@@ -208,6 +208,23 @@ struct Placed {
     spring: SpringDamper,
 }
 
+/// A body that modes belong to: its axes and origin, and their motion while the base is still, in B.
+struct Host {
+    R: Matrix3<f64>,
+    p: Vector3<f64>,
+    v: Vector3<f64>,
+    w: Vector3<f64>,
+}
+
+impl Host {
+    const BASE: Self = Self {
+        R: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
+        p: Vector3::new(0.0, 0.0, 0.0),
+        v: Vector3::new(0.0, 0.0, 0.0),
+        w: Vector3::new(0.0, 0.0, 0.0),
+    };
+}
+
 /// The modes and passive joints of a vehicle at one placement.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Flexibility {
@@ -389,15 +406,51 @@ impl Flexibility {
         kinematics: &Kinematics,
         locked: &LockedVehicle,
     ) -> Option<()> {
+        let host = |body: usize| Host {
+            R: kinematics.R[body],
+            p: kinematics.p[body],
+            v: kinematics.v[body],
+            w: kinematics.w[body],
+        };
+        self.place_modes(modes, host, locked);
         let (mass, c, l_joints) = locked.parts();
         let (c, l_joints) = (c.stored(), l_joints.stored());
-        let modes = &modes[..modes.len().min(MOST_MODES)];
+        for (hinge, spring) in passive.placed(still, kinematics) {
+            let Some(out) = self.of.get_mut(self.count) else {
+                break;
+            };
+            let [l, h] = [0, 3].map(|at| hinge.swing.fixed_rows::<3>(at).into_owned());
+            out.translation = l;
+            out.d = h - c.cross(&l);
+            out.carried = hinge.still() - l.dot(&l_joints) / mass;
+            out.spring = spring;
+            self.hinges[self.count - self.modes] = hinge;
+            self.count += 1;
+        }
+        self.couple()
+    }
+
+    /// Places modes of the base alone, whose body counts for nothing; `None` where they carry more than the vehicle weighs.
+    pub fn place_on_base(&mut self, modes: &[Mode], locked: &LockedVehicle) -> Option<()> {
+        self.place_modes(modes, |_| Host::BASE, locked);
+        self.couple()
+    }
+
+    fn place_modes(
+        &mut self,
+        modes: &[Mode],
+        host: impl Fn(usize) -> Host,
+        locked: &LockedVehicle,
+    ) {
+        let (mass, c, l_joints) = locked.parts();
+        (self.mass, self.l_joints) = (mass, l_joints.stored());
+        self.modes = modes.len().min(MOST_MODES);
+        self.count = self.modes;
         for (out, mode) in self.of.iter_mut().zip(modes) {
-            let R = kinematics.R[mode.body];
-            let arm = kinematics.p[mode.body] - c;
+            let Host { R, p, v, w } = host(mode.body);
+            let arm = p - c.stored();
             let (translation, rotation) = (R * mode.translation, R * mode.rotation);
-            let v = kinematics.v[mode.body] - l_joints / mass;
-            let w = kinematics.w[mode.body];
+            let v = v - self.l_joints / mass;
             let omega = TAU * mode.frequency_Hz;
             *out = Placed {
                 R,
@@ -414,25 +467,15 @@ impl Flexibility {
                 },
             };
         }
-        (self.modes, self.count) = (modes.len(), modes.len());
-        for (hinge, spring) in passive.placed(still, kinematics) {
-            let Some(out) = self.of.get_mut(self.count) else {
-                break;
-            };
-            let [l, h] = [0, 3].map(|at| hinge.swing.fixed_rows::<3>(at).into_owned());
-            out.translation = l;
-            out.d = h - c.cross(&l);
-            out.carried = hinge.still() - l.dot(&l_joints) / mass;
-            out.spring = spring;
-            self.hinges[self.count - self.modes] = hinge;
-            self.count += 1;
-        }
-        (self.mass, self.l_joints) = (mass, l_joints);
+    }
+
+    /// What the rates have in common.
+    fn couple(&mut self) -> Option<()> {
         self.coupling = SMatrix::identity();
         for i in 0..self.count {
             for j in 0..=i {
                 let shared = self.of[i].translation.dot(&self.of[j].translation);
-                let own = self.shared(i, j) - shared / mass;
+                let own = self.shared(i, j) - shared / self.mass;
                 (self.coupling[(i, j)], self.coupling[(j, i)]) = (own, own);
             }
         }
@@ -530,6 +573,15 @@ impl Flexibility {
 
     /// Bound of the frequencies of the passive joints on the free vehicle, rad/s.
     pub fn fastest(&self, locked: &LockedVehicle) -> f64 {
+        self.fastest_from(self.modes, locked)
+    }
+
+    /// The same of modes and passive joints.
+    pub fn fastest_of_all(&self, locked: &LockedVehicle) -> f64 {
+        self.fastest_from(0, locked)
+    }
+
+    fn fastest_from(&self, first: usize, locked: &LockedVehicle) -> f64 {
         let turning: Matrix3<f64> = locked.turned().stored();
         let follows = SMatrix::<f64, MOST_MODES, MOST_MODES>::from_fn(|i, j| {
             self.of[i].d.dot(&(turning * self.of[j].d))
@@ -538,9 +590,24 @@ impl Flexibility {
             return 0.0;
         };
         let inverse = free.inverse();
-        let springs = self.of.iter().enumerate().skip(self.modes);
+        let springs = self.of.iter().enumerate().skip(first);
         let squares = springs.map(|(k, own)| own.spring.stiffness * inverse[(k, k)]);
         squares.fold(0.0, f64::max).root()
+    }
+
+    /// Change of the momenta of modes, twist and rates held, where bodies have so much more linear momentum relative to the mass
+    /// centre's velocity.
+    pub fn momenta_change(&self, l: &Vector3<f64>) -> PerMode {
+        let mut out = PerMode::zeros();
+        for (out, mode) in out.iter_mut().zip(self.modes()) {
+            *out = -mode.translation.dot(l) / self.mass;
+        }
+        out
+    }
+
+    /// Number of modes and passive joints.
+    pub fn count(&self) -> usize {
+        self.count
     }
 
     /// Modes at rest without deflection while the base turns, rad/s in B: `p = D^T w + c_y`.

@@ -90,6 +90,7 @@ fn constants() -> Vec<(&'static str, i64)> {
         ("PRIOR", Code::Prior),
         ("UNPHYSICAL", Code::Unphysical),
         ("NEEDS_POSITION", Code::NeedsPosition),
+        ("MODE", Code::Mode),
     ];
     let mut all: Vec<_> = codes
         .into_iter()

@@ -11,6 +11,7 @@ mod arm;
 mod dense;
 mod prop_table;
 mod setups;
+mod sprung;
 mod stat_faults;
 mod stat_long;
 mod stat_trials;

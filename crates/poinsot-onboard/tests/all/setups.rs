@@ -1,12 +1,13 @@
 //! Set-ups of the trials.
 
 use crate::arm::{Arm, Link, points};
+use crate::sprung::Sprung;
 use crate::truth::{Motion, Noise, Truth};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use poinsot_onboard::{Configuration, Filter, JOINTS, Joint, WHEELS, Wheel};
 
 /// The filter of the trials: 30 s are replayed.
-pub type OnBoard = Filter<64, 150>;
+pub type OnBoard = Filter<72, 150>;
 
 /// Prior sigma relative to the parameter's natural unit.
 pub const PRIOR: f64 = 0.2;
@@ -88,6 +89,21 @@ fn setup(
     }
 }
 
+fn four_wheels(k: usize) -> [f64; WHEELS] {
+    let mut out = [0.0; WHEELS];
+    for (j, torque) in out.iter_mut().enumerate().take(4) {
+        *torque = 0.02 * switching(k, 20 + 7 * j, j);
+    }
+    out
+}
+
+fn thrusters(k: usize) -> (Vector3<f64>, Vector3<f64>) {
+    let sign = |every, salt| switching(k, every, salt);
+    let force = Vector3::new(sign(15, 1), sign(23, 2), sign(31, 3));
+    let torque = Vector3::new(sign(11, 4), sign(17, 5), sign(13, 6)) * 0.15;
+    (force, torque)
+}
+
 /// A bus with a pyramid of four wheels, its six inertia elements unknown.
 pub fn bus_with_wheels() -> Setup {
     let truth = Truth {
@@ -96,17 +112,12 @@ pub fn bus_with_wheels() -> Setup {
         I: Matrix3::new(10.0, 0.4, -0.3, 0.4, 12.0, 0.2, -0.3, 0.2, 8.0),
         start: at_rest(Vector3::new(0.002, -0.001, 0.003)),
         hold: 1,
-        motors: |k| {
-            let mut out = [0.0; WHEELS];
-            for (j, torque) in out.iter_mut().enumerate().take(4) {
-                *torque = 0.02 * switching(k, 20 + 7 * j, j);
-            }
-            out
-        },
+        motors: four_wheels,
         wrench: |_| (Vector3::zeros(), Vector3::zeros()),
         dt: 0.2,
         samples: 600,
         arm: None,
+        sprung: Vec::new(),
     };
     let mut configuration = Configuration::new(truth.parameters(), noise());
     for (x, y) in [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)] {
@@ -128,15 +139,11 @@ pub fn bus_with_thrusters() -> Setup {
         start: at_rest(Vector3::new(0.01, -0.02, 0.015)),
         hold: 1,
         motors: |_| [0.0; WHEELS],
-        wrench: |k| {
-            let sign = |every, salt| switching(k, every, salt);
-            let force = Vector3::new(sign(15, 1), sign(23, 2), sign(31, 3));
-            let torque = Vector3::new(sign(11, 4), sign(17, 5), sign(13, 6)) * 0.15;
-            (force, torque)
-        },
+        wrench: thrusters,
         dt: 0.2,
         samples: 600,
         arm: None,
+        sprung: Vec::new(),
     };
     let mut noise = noise();
     noise.position = 2.0e-3;
@@ -163,6 +170,7 @@ pub fn tumbling() -> Setup {
         dt: 0.2,
         samples: 600,
         arm: None,
+        sprung: Vec::new(),
     };
     let configuration = Configuration::new(truth.parameters(), noise()).with_wheel(Wheel {
         axis_B: [0.0, 0.6, 0.8],
@@ -247,6 +255,7 @@ pub fn arm_with_payload() -> Setup {
             base: points(base.0, base.1, base.2),
             links: links.clone(),
         }),
+        sprung: Vec::new(),
     };
     let mut configuration = Configuration::new(truth.parameters(), noise());
     configuration.known = ten(base.0, base.1, base.2);
@@ -273,6 +282,58 @@ pub fn all() -> [Setup; 4] {
         tumbling(),
         arm_with_payload(),
     ]
+}
+
+/// The two buses with two masses on springs, a twelfth of the vehicle's mass, which move at the start. They turn more slowly: a mode is
+/// no softer where the vehicle turns.
+pub fn with_modes() -> [Setup; 2] {
+    let sprung = |mass, r, u: Vector3<f64>, frequency_Hz, start| Sprung {
+        mass,
+        r,
+        u: u.normalize(),
+        frequency_Hz,
+        damping_ratio: 0.01,
+        start,
+    };
+    let masses = vec![
+        sprung(
+            5.0,
+            Vector3::new(0.6, 0.4, -0.2),
+            Vector3::new(0.1, -0.3, 1.0),
+            0.43,
+            [5.0e-4, 0.0],
+        ),
+        sprung(
+            3.0,
+            Vector3::new(-0.3, 0.7, 0.5),
+            Vector3::new(1.0, 0.2, -0.4),
+            0.94,
+            [-2.0e-4, 5.0e-4],
+        ),
+    ];
+    [
+        ("bus with wheels and modes", bus_with_wheels()),
+        ("bus with thrusters and modes", bus_with_thrusters()),
+    ]
+    .map(|(name, mut setup)| {
+        setup.name = name;
+        for mass in &masses {
+            let mode = mass.mode(&setup.truth.c);
+            setup.configuration = setup.configuration.with_mode(mode);
+        }
+        setup.truth.sprung.clone_from(&masses);
+        setup.truth.motors = match setup.configuration.wheel_count {
+            0 => |_| [0.0; WHEELS],
+            _ => |k| four_wheels(k).map(|torque| 0.3 * torque),
+        };
+        if setup.configuration.noise.position > 0.0 {
+            setup.truth.wrench = |k| {
+                let (force, torque) = thrusters(k);
+                (force * 0.2, torque * 0.1)
+            };
+        }
+        setup
+    })
 }
 
 impl Setup {

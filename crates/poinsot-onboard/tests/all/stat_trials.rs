@@ -2,8 +2,8 @@
 
 use crate::dense;
 use crate::setups::{self, OnBoard, Setup};
-use crate::truth::{Noise, samples};
-use nalgebra::{DMatrix, DVector};
+use crate::truth::{Motion, Noise, samples};
+use nalgebra::{DMatrix, DVector, Matrix3};
 use poinsot_onboard::{Answer, Health};
 
 /// Trials of each set-up; `POINSOT_TRIALS` gives another number.
@@ -93,10 +93,70 @@ fn calibrated(setup: &Setup, trials: u64, doubted: f64) {
     assert_eq!(determined.len() as u64, trials);
 }
 
+/// Masses that slide on springs, exact at any deflection: modes are of first order.
+#[test]
+fn stat_errors_with_modes_are_those_of_the_covariance() {
+    for setup in setups::with_modes() {
+        calibrated(&setup, trials().div_ceil(2), 0.01);
+    }
+}
+
 #[test]
 fn stat_errors_are_those_of_the_covariance() {
     for setup in setups::all() {
         calibrated(&setup, trials(), 0.01);
+    }
+}
+
+/// The bus with wheels while its inertia walks, with the momentum that it has; in `forget_s` as far as the prior.
+fn walking(setup: &mut Setup, forget_s: f64, noise: &mut Noise) -> Vec<Motion> {
+    let mut now = setup.truth.start;
+    let mut out = vec![now];
+    let share = (setup.truth.dt / forget_s).sqrt();
+    for k in 1..setup.truth.samples {
+        now = setup.truth.next(&setup.configuration, &now, k - 1);
+        let before = setup.truth.I;
+        let step: [f64; 6] = std::array::from_fn(|j| setup.sigma[4 + j] * share * noise.one());
+        let [xx, xy, yy, xz, yz, zz] = step;
+        setup.truth.I += Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+        now.w = setup.truth.I.try_inverse().unwrap() * before * now.w;
+        out.push(now);
+    }
+    out
+}
+
+#[test]
+fn stat_a_walk_of_the_inertia_is_followed_where_it_is_declared() {
+    let trials = trials();
+    for (declared, forget_s) in [(true, 30_000.0), (false, 30_000.0)] {
+        let (mut sum, mut inconsistent) = (0.0, 0);
+        for seed in 0..trials {
+            let mut setup = setups::bus_with_wheels();
+            if declared {
+                setup.configuration.forget_s = forget_s;
+            }
+            let mut noise = Noise::new(seed);
+            let motions = walking(&mut setup, forget_s, &mut noise);
+            let (truth, of) = (&setup.truth, &setup.configuration);
+            let mut filter = setup.filter(&mut noise);
+            let mut doubted = false;
+            for sample in samples(truth, of, &motions, Some(&mut noise)) {
+                filter.push(&sample).unwrap();
+                doubted |= filter.answer(sample.time_s).health == Health::Inconsistent;
+            }
+            sum += errors(&setup, &filter.answer(0.0)).1;
+            inconsistent += u64::from(doubted);
+        }
+        let freedom = 6.0 * trials as f64;
+        let nees = sum / freedom;
+        println!(
+            "a walk, declared {declared}: NEES per number {nees:.2}, {inconsistent} of {trials} inconsistent"
+        );
+        if declared {
+            assert!(is_chi_square(sum, freedom) && inconsistent == 0);
+        } else {
+            assert!(nees > 4.0 || inconsistent > trials / 2);
+        }
     }
 }
 

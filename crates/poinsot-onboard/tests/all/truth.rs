@@ -1,6 +1,7 @@
 //! A rigid body with wheels in time: Newton and Euler about the mass centre, Runge-Kutta at a hundredth of a second.
 
 use crate::arm::Arm;
+use crate::sprung::{self, Sprung};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use poinsot_onboard::{Configuration, JOINTS, Sample, WHEELS};
 use rand::SeedableRng;
@@ -27,6 +28,8 @@ pub struct Truth {
     pub samples: usize,
     /// With it the body above is one of its links, and nothing else drives.
     pub arm: Option<Arm>,
+    /// Masses on springs.
+    pub sprung: Vec<Sprung>,
 }
 
 #[derive(Clone, Copy)]
@@ -66,16 +69,23 @@ impl Truth {
         if let Some(arm) = &self.arm {
             return arm.motions(&self.start, self.dt, self.samples);
         }
-        let steps = (self.dt / STEP).ceil() as usize;
+        if !self.sprung.is_empty() {
+            return sprung::motions(self, configuration);
+        }
         let mut now = self.start;
         let mut out = vec![now];
         for k in 1..self.samples {
-            for _ in 0..steps {
-                now = self.step(configuration, &now, k - 1, self.dt / steps as f64);
-            }
+            now = self.next(configuration, &now, k - 1);
             out.push(now);
         }
         out
+    }
+
+    /// The motion one sample after sample k.
+    pub fn next(&self, configuration: &Configuration, now: &Motion, k: usize) -> Motion {
+        let steps = (self.dt / STEP).ceil() as usize;
+        let dt = self.dt / steps as f64;
+        (0..steps).fold(*now, |now, _| self.step(configuration, &now, k, dt))
     }
 
     fn step(&self, configuration: &Configuration, now: &Motion, k: usize, dt: f64) -> Motion {

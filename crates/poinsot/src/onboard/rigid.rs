@@ -2,8 +2,9 @@
 
 use crate::bind::scalar as variance;
 use crate::error::{Error, unsupported};
+use poinsot_dynamics::propagation::Mode;
 use poinsot_dynamics::{Kinematics, Link, Motion, SensorKind, Tree};
-use poinsot_model::Model;
+use poinsot_model::{FlexibleMode, Model};
 use poinsot_onboard::{Configuration, Joint, Wheel};
 use poinsot_spatial::{InertialParameters, Matrix3, Rotation3, UnitQuaternion, Vector3};
 
@@ -111,6 +112,27 @@ impl Rigid {
         Ok(configuration)
     }
 
+    /// The modes, none of them of a body that joints move.
+    pub fn add_modes(
+        &self,
+        mut configuration: Configuration,
+        model: &Model,
+    ) -> Result<Configuration, Error> {
+        for FlexibleMode { name, mode, .. } in &model.modes {
+            self.on_base(mode.body, &format!("mode \"{name}\""))?;
+            let (R, p) = self.pose(mode.body);
+            let translation = R * mode.translation;
+            configuration = configuration.with_mode(Mode {
+                body: 0,
+                translation,
+                rotation: R * mode.rotation + p.cross(&translation),
+                inertia_slope: symmetric(&(R * mode.inertia_slope * R.transpose())),
+                ..*mode
+            });
+        }
+        Ok(configuration)
+    }
+
     /// The ten parameters of a link.
     fn known(&self, link: usize, bodies: &[InertialParameters]) -> [f64; 10] {
         let own = (0..bodies.len()).filter(|body| self.of[*body] == link);
@@ -130,6 +152,11 @@ impl Rigid {
             )),
         }
     }
+}
+
+/// Without what rounding makes of it.
+fn symmetric(slope: &Matrix3) -> Matrix3 {
+    (slope + slope.transpose()) * 0.5
 }
 
 /// x, y, z, w.

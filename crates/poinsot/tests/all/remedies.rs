@@ -181,6 +181,7 @@ fn exact_an_arm_that_stands_is_told_the_motion_and_the_numbers_that_resolve_all(
                     com: None,
                     inertia: None,
                     entropic: None,
+                    forget_s: None,
                 });
                 let size = 1.0e-3 * body.nominal.mass;
                 if of("mass of ", &body.name) {

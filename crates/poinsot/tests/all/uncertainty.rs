@@ -51,6 +51,7 @@ fn exact_a_prior_adds_its_information_once() {
         com: Some(sigmas[1]),
         inertia: Some(sigmas[4]),
         entropic: None,
+        forget_s: None,
     };
     let declared = |k: usize| match k {
         0 => sigmas[0],
