@@ -201,10 +201,7 @@ pub(super) fn attitudes(
 }
 
 /// Attitude from body rates.
-pub(super) fn integrate_rate(
-    times: &[f64],
-    rate: &[Option<Vector3>],
-) -> Vec<Option<UnitQuaternion>> {
+pub(super) fn integrate_rate(times: &[f64], rate: &[Option<Vector3>]) -> Attitudes {
     let mut out = vec![None; times.len()];
     let mut last: Option<(usize, UnitQuaternion, Vector3)> = None;
     for (k, w) in rate.iter().enumerate() {

@@ -77,13 +77,6 @@ impl<'a> JointColumns<'a> {
     }
 }
 
-impl VectorChannels<'_> {
-    /// Times of its first axis, s.
-    pub fn time_s(&self) -> &[f64] {
-        &self.axes[0].time_s
-    }
-}
-
 impl<'a> Channels<'a> {
     /// A channel without a sensor name.
     pub fn find(&self, name: &str) -> Option<&'a Channel> {
@@ -109,7 +102,7 @@ impl<'a> Channels<'a> {
     /// of the attitude.
     pub fn base_rates(&self) -> Result<BaseRates<'a>, Error> {
         let gyro = self.vector(SensorKind::Gyro);
-        if let Some(gyro) = gyro.as_ref().filter(|g| !g.time_s().is_empty()) {
+        if let Some(gyro) = gyro.as_ref().filter(|g| !g.axes[0].time_s.is_empty()) {
             return Ok(BaseRates {
                 axes: gyro.axes.map(Cow::Borrowed),
                 attitude: None,
@@ -167,8 +160,7 @@ impl<'a> Channels<'a> {
 
     /// The columns of the moving joints, by coordinate.
     pub fn joints(&self) -> impl Iterator<Item = JointColumns<'a>> {
-        let at = self.tree.coordinates.iter();
-        at.map(|at| self.joint(*at))
+        self.tree.coordinates.iter().map(|at| self.joint(*at))
     }
 
     /// The columns of a joint, by its index in the model.

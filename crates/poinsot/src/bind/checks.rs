@@ -262,8 +262,7 @@ pub(super) fn check_plausible(channels: &Channels) -> Result<(), Error> {
     for channel in &channels.table.channels {
         let fault = match channel.name.as_str() {
             "omega_x" | "omega_y" | "omega_z" => turns_too_far(channel),
-            "v_x" | "v_y" | "v_z" => beyond(channel, 1.0e6, "m/s"),
-            "dv_x" | "dv_y" | "dv_z" => beyond(channel, 1.0e6, "m/s"),
+            "v_x" | "v_y" | "v_z" | "dv_x" | "dv_y" | "dv_z" => beyond(channel, 1.0e6, "m/s"),
             "acc_x" | "acc_y" | "acc_z" => beyond(channel, 1.0e6, "m/s2"),
             "domega_x" | "domega_y" | "domega_z" => beyond(channel, 1.0e6, "rad/s2"),
             name => LARGEST
@@ -272,7 +271,7 @@ pub(super) fn check_plausible(channels: &Channels) -> Result<(), Error> {
                 .and_then(|(_, most, unit)| beyond(channel, *most, unit)),
         };
         if let Some((at, why)) = fault {
-            let name = poinsot_telemetry::full_name(&channel.sensor, &channel.name);
+            let name = full_name(&channel.sensor, &channel.name);
             let value = as_read(channel.values.get(at).copied().unwrap_or_default());
             let time_s = channel.time_s.get(at).copied().unwrap_or_default();
             let place = Place::label(channels.label).key(&format!("channel '{name}'"));

@@ -34,10 +34,7 @@ pub(super) fn pieces<'a>(
         return (vec![Cow::Borrowed(channels.table)], gaps);
     }
     let starts = std::iter::once(f64::NEG_INFINITY).chain(gaps.iter().map(|g| g.1));
-    let ends = gaps
-        .iter()
-        .map(|g| g.0)
-        .chain(std::iter::once(f64::INFINITY));
+    let ends = gaps.iter().map(|g| g.0).chain([f64::INFINITY]);
     let pieces = starts
         .zip(ends)
         .map(|(from, to)| piece(channels.table, from, to));

@@ -87,14 +87,11 @@ impl DrivenWheels {
     /// What is said of it.
     pub fn told(&self, model: &Model) -> Option<String> {
         let driven = model.wheels.iter().zip(&self.of);
-        let driven: Vec<(&str, Drive)> = driven
-            .filter_map(|(w, d)| Some((w.name.as_str(), (*d)?)))
-            .collect();
-        let names: Vec<&str> = driven.iter().map(|d| d.0).collect();
-        let held = driven
-            .iter()
-            .filter(|d| d.1.motion == TorqueMotion::Held)
-            .count();
+        let (names, motions): (Vec<&str>, Vec<TorqueMotion>) = driven
+            .filter_map(|(w, d)| Some((w.name.as_str(), (*d)?.motion)))
+            .unzip();
+        let held = motions.iter().filter(|m| **m == TorqueMotion::Held);
+        let held = held.count();
         let how = match held {
             n if n == names.len() => "held from sample to sample",
             0 => "straight from sample to sample",

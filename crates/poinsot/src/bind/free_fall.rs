@@ -64,10 +64,7 @@ struct FreeFall {
 
 /// Three channels of one name, of any sensor.
 fn three(table: &Table, prefix: &str) -> Option<[Channel; 3]> {
-    let first = table
-        .channels
-        .iter()
-        .find(|c| c.name == format!("{prefix}_x"))?;
+    let first = table.channel(&format!("{prefix}_x"))?;
     Some(axes(table, &first.sensor, prefix)?.map(Clone::clone))
 }
 

@@ -73,7 +73,6 @@ impl Aligned {
 
     /// The samples at these times; positions are relative to the first one.
     pub fn take(&self, picked: &[usize]) -> Samples {
-        let rows = self.inputs.rows(picked);
         let translation = self.translation.as_ref().map(|(r, v)| {
             let mut p_NoBo_N = given(r, picked);
             if let Some(first) = p_NoBo_N.first().copied() {
@@ -89,9 +88,9 @@ impl Aligned {
             R_NB: given(&self.attitude, picked),
             w_NB_B: given(&self.rate, picked),
             translation,
-            joint_position: rows.joint_position,
-            joint_rate: rows.joint_rate,
-            wheel_speed: rows.wheel_speed,
+            joint_position: self.inputs.positions(picked),
+            joint_rate: self.inputs.rates(picked),
+            wheel_speed: self.inputs.wheel_speeds(picked),
         }
     }
 }
@@ -107,7 +106,9 @@ impl Carrier {
     fn new(channels: &Channels, inputs: &Inputs, body: usize) -> Self {
         let tree = channels.tree;
         let mut kinematics = Kinematics::new(tree);
-        let times = if body == 0 { 0 } else { inputs.times() };
+        // None for the base, and none without joints.
+        let first = inputs.joints.first().filter(|_| body != 0);
+        let times = first.map_or(0, |j| j.position.len());
         let motion = (0..times).map(|k| {
             let joints = inputs.joints.iter();
             let row = joints.map(|j| j.position[k].zip(j.rate[k]));
@@ -124,17 +125,13 @@ impl Carrier {
         }
     }
 
-    fn is_base(&self) -> bool {
-        self.body == 0
-    }
-
     /// Readings of the base from those of this body, given how the body moves relative to the base.
     fn of_base<T>(
         &self,
         read: Vec<Option<T>>,
         of: impl Fn(T, UnitQuaternion, Vector3) -> T,
     ) -> Vec<Option<T>> {
-        if self.is_base() {
+        if self.body == 0 {
             return read;
         }
         let pairs = read.into_iter().zip(&self.motion);
@@ -174,7 +171,7 @@ fn attitude(
     if let Some(parts) = measured.or_else(|| rates.attitude.as_ref().map(|a| a.each_ref())) {
         let axes = rates.axes.each_ref().map(|c| &**c);
         // The rates of another body are not the slopes of this attitude.
-        let axes = carrier.is_base().then_some(axes);
+        let axes = (carrier.body == 0).then_some(axes);
         let measured = resample_attitude(parts, axes, times).into_iter();
         let measured = measured.map(|q| q.map(rotation)).collect();
         let measured = carrier.of_base(measured, |R, R_BL, _| R * R_BL.inverse());
@@ -258,7 +255,7 @@ fn refuse_orbital(label: &str, r: &VectorChannels) -> Result<(), Error> {
     let [x, y, z] = r.axes.map(|c| c.values.first().copied().unwrap_or(0.0));
     let distance = Vector3::new(x, y, z).norm();
     if distance > ORBITAL {
-        let time = r.time_s().first().copied().unwrap_or(0.0);
+        let time = r.axes[0].time_s.first().copied().unwrap_or(0.0);
         let distance = rounded(distance, 4);
         let place = Place::label(label).key("channel 'r'");
         let problem = format!(
@@ -300,11 +297,7 @@ fn integrate_velocity(times: &[f64], velocity: &[Option<Vector3>]) -> Vec<Option
 /// What is assumed of a joint whose rate is not measured, or that is locked (see [`super::held`]).
 fn told(channels: &Channels, columns: &JointColumns, repairs: &mut Vec<String>) {
     let (label, name) = (channels.label, &channels.model.joints[columns.at].name);
-    let JointColumns {
-        position_name,
-        rate_name,
-        ..
-    } = columns;
+    let (position_name, rate_name) = (&columns.position_name, &columns.rate_name);
     let turns = |rate: &Channel| rate.values.iter().any(|x| *x != 0.0);
     if columns.locked && columns.rate.is_some_and(turns) {
         repairs.push(format!(
@@ -345,13 +338,6 @@ pub(super) enum Rates {
     AsMeasured,
     /// Samples of a motion, as positions are.
     OfMotion,
-}
-
-/// The same at the times that are complete, row by row.
-pub(super) struct InputRows {
-    pub joint_position: Vec<f64>,
-    pub joint_rate: Vec<f64>,
-    pub wheel_speed: Vec<f64>,
 }
 
 impl Inputs {
@@ -396,30 +382,35 @@ impl Inputs {
             .collect()
     }
 
-    /// How many times there are; none without joints.
-    fn times(&self) -> usize {
-        self.joints.first().map_or(0, |j| j.position.len())
-    }
-
     /// Whether every column has a sample at time k.
     pub fn complete(&self, k: usize) -> bool {
         let mut joints = self.joints.iter().flat_map(|j| [&j.position, &j.rate]);
         joints.all(|c| c[k].is_some()) && self.wheel_speed.iter().all(|c| c[k].is_some())
     }
 
-    pub fn rows(&self, picked: &[usize]) -> InputRows {
-        let rows = |columns: Vec<&Column>| -> Vec<f64> {
-            let row = |&k: &usize| columns.iter().map(move |c| c[k].unwrap_or(0.0));
-            let mut all = Vec::with_capacity(picked.len() * columns.len());
-            all.extend(picked.iter().flat_map(row));
-            all
-        };
-        InputRows {
-            joint_position: rows(self.joints.iter().map(|j| &j.position).collect()),
-            joint_rate: rows(self.joints.iter().map(|j| &j.rate).collect()),
-            wheel_speed: rows(self.wheel_speed.iter().collect()),
-        }
+    /// Positions of the joints at these times, row by row.
+    pub fn positions(&self, picked: &[usize]) -> Vec<f64> {
+        by_row(self.joints.iter().map(|j| &j.position), picked)
     }
+
+    /// Their rates.
+    pub fn rates(&self, picked: &[usize]) -> Vec<f64> {
+        by_row(self.joints.iter().map(|j| &j.rate), picked)
+    }
+
+    /// Speeds of the wheels.
+    pub fn wheel_speeds(&self, picked: &[usize]) -> Vec<f64> {
+        by_row(self.wheel_speed.iter(), picked)
+    }
+}
+
+/// The values of columns at these times, row by row; zero without a sample.
+fn by_row<'c>(columns: impl Iterator<Item = &'c Column>, picked: &[usize]) -> Vec<f64> {
+    let columns: Vec<&Column> = columns.collect();
+    let row = |&k: &usize| columns.iter().map(move |c| c[k].unwrap_or(0.0));
+    let mut all = Vec::with_capacity(picked.len() * columns.len());
+    all.extend(picked.iter().flat_map(row));
+    all
 }
 
 /// Motion of a joint at some times: cubic between exact samples, smoothed where these are noisy; at rest without a

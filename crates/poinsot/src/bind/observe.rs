@@ -19,9 +19,8 @@ use poinsot_telemetry::{Channel, differentiate, resample, resample_hermite};
 pub(super) fn observe(channels: &Channels, samples: &Samples, firings: &[Firing]) -> Observations {
     let model = channels.model;
     let sensors = sensor_columns(model, channels.table);
-    let (from, to) = match (samples.time_s.first(), samples.time_s.last()) {
-        (Some(a), Some(b)) => (*a, *b),
-        _ => return Observations::default(),
+    let (Some(&from), Some(&to)) = (samples.time_s.first(), samples.time_s.last()) else {
+        return Observations::default();
     };
     let wheels = channels.wheels();
     let mut driven = input_channels(channels);
@@ -47,7 +46,6 @@ pub(super) fn observe(channels: &Channels, samples: &Samples, firings: &[Firing]
         .filter_map(|&k| orbit.get(k).copied().flatten())
         .collect();
     let time_s: Vec<f64> = complete.iter().map(|&k| time_s[k]).collect();
-    let rows = inputs.rows(&complete);
     let origin = match channels.vector(SensorKind::Position) {
         Some(position) => first_position(&position, samples),
         None => first_value(&sensors),
@@ -59,9 +57,9 @@ pub(super) fn observe(channels: &Channels, samples: &Samples, firings: &[Firing]
             .map(|s| s.record(model, &time_s, &origin))
             .collect(),
         orbit,
-        joint_position: rows.joint_position,
-        joint_rate: rows.joint_rate,
-        wheel_speed: rows.wheel_speed,
+        joint_position: inputs.positions(&complete),
+        joint_rate: inputs.rates(&complete),
+        wheel_speed: inputs.wheel_speeds(&complete),
         smooth_wheel_speed: smooth_wheels(&wheels, &time_s),
         wheels: wheel_inputs(channels, &time_s),
         between_readings: between_readings(channels, &joints, &time_s),

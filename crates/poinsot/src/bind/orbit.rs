@@ -29,12 +29,9 @@ pub(super) fn orbit_at(channels: &Channels, grid: &[f64]) -> Vec<OrbitPoint> {
         let velocities = vectors(&rates.each_ref().map(|c| resample(c, grid, None)));
         return positions.zip(velocities).map(|(p, v)| p.zip(v)).collect();
     }
-    let Some(orbit) = in_record_time(channels) else {
-        return vec![None; grid.len()];
-    };
-    grid.iter()
-        .map(|t| Some(orbit_state(gm, &orbit, *t)))
-        .collect()
+    let orbit = in_record_time(channels);
+    let at = |t: &f64| Some(orbit_state(gm, orbit.as_ref()?, *t));
+    grid.iter().map(at).collect()
 }
 
 /// The elements with their epoch in the times of the record, which may begin to count at the first sample.
@@ -53,25 +50,23 @@ fn in_record_time(channels: &Channels) -> Option<Orbit> {
 /// # Errors
 /// The epoch is so far from the record that elements without perturbations do not give the orbit.
 fn check_epoch(channels: &Channels) -> Result<(), Error> {
-    let epoch = in_record_time(channels).and_then(|orbit| orbit.epoch);
+    let epoch = |orbit: Orbit| orbit.epoch;
+    let own = channels.model.environment.orbit.and_then(epoch);
+    let epoch = in_record_time(channels).and_then(epoch);
     let rates = channels.base_rates()?;
-    let (Some(epoch), Some(first), Some(last)) =
-        (epoch, rates.time_s().first(), rates.time_s().last())
-    else {
+    let (Some((own, epoch)), Some(first), Some(last)) = (
+        own.zip(epoch),
+        rates.time_s().first(),
+        rates.time_s().last(),
+    ) else {
         return Ok(());
     };
     let apart = (first - epoch).max(epoch - last);
     if apart <= OLDEST_S {
         return Ok(());
     }
-    let own = channels
-        .model
-        .environment
-        .orbit
-        .and_then(|orbit| orbit.epoch);
-    let first_own = own.map_or(*first, |own| own + (first - epoch));
-    let (own, days) = (as_read(own.unwrap_or(epoch)), rounded(apart / 86_400.0, 3));
-    let first = as_read(first_own);
+    let days = rounded(apart / 86_400.0, 3);
+    let (own, first) = (as_read(own), as_read(own + (first - epoch)));
     Err(unsupported(
         format!(
             "[environment] orbit.epoch_s = {own}: the record begins at {first} s of its own count, {days} days away, and elements without perturbations do not hold that long"

@@ -144,11 +144,10 @@ pub(super) fn sensor_columns<'a>(model: &Model, table: &'a Table) -> Vec<SensorC
 impl<'a> SensorColumns<'a> {
     /// A missing component drops the whole sample.
     fn new(sensor: Option<usize>, kind: SensorKind, parts: Vec<&'a Channel>) -> Self {
-        let (mut time_s, mut at) = (Vec::new(), Vec::new());
         let mut next = [0; 4];
         let times = parts.first().map_or(&[][..], |first| &first.time_s);
-        time_s.reserve_exact(times.len());
-        at.reserve_exact(times.len());
+        let mut time_s = Vec::with_capacity(times.len());
+        let mut at = Vec::with_capacity(times.len());
         for (i, t) in times.iter().enumerate() {
             next[0] = i;
             let complete = parts.iter().zip(&mut next).skip(1).all(|(part, next)| {
@@ -176,14 +175,15 @@ impl<'a> SensorColumns<'a> {
     /// Times of the samples and of the starts of their intervals, s.
     pub fn times(&self) -> Vec<f64> {
         let own = self.time_s.iter().copied();
-        match self.kind {
-            SensorKind::VelocityIncrement => own.chain(self.starts()).collect(),
-            _ => own.collect(),
-        }
+        own.chain(self.starts()).collect()
     }
 
-    /// Start of the interval of each sample: the previous sample, or one step back if that is missing.
+    /// Start of the interval of each sample: the previous sample, or one step back if that is missing; none where a sample is of an
+    /// instant.
     fn starts(&self) -> Vec<f64> {
+        if self.kind != SensorKind::VelocityIncrement {
+            return Vec::new();
+        }
         let t = &self.time_s;
         let step = median_step(t).unwrap_or_default();
         (0..t.len())
@@ -202,10 +202,7 @@ impl<'a> SensorColumns<'a> {
             let k = grid.partition_point(|g| *g < t - SAME);
             grid.get(k).filter(|g| (*g - t).abs() <= SAME).map(|_| k)
         };
-        let starts = match self.kind {
-            SensorKind::VelocityIncrement => self.starts(),
-            _ => Vec::new(),
-        };
+        let starts = self.starts();
         let declared = self.sensor.map(|k| &model.sensors[k]);
         let references = declared.map(|s| self.references(s)).unwrap_or_default();
         let mut samples = Vec::with_capacity(self.time_s.len());
@@ -304,7 +301,7 @@ fn in_body(sensor: &Sensor, covariance: Matrix3) -> Matrix3 {
 }
 
 /// Declared covariance of a sensor's samples including rounding; `None` if neither is declared.
-pub(super) fn covariance(sensor: &Sensor) -> Option<Matrix3> {
+pub(crate) fn covariance(sensor: &Sensor) -> Option<Matrix3> {
     let step = sensor.quantisation * sensor.quantisation / 12.0;
     match sensor.covariance() {
         Some(c) => Some(c + Matrix3::identity() * step),
