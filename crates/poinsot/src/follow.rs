@@ -1,11 +1,11 @@
 //! The command `follow`: the on-board filter on rows of telemetry as they arrive.
 
 use crate::bind::RELATIVE_ACCURACY;
-use crate::channel_names;
+use crate::channel_names::position;
 use crate::error::{Error, check_accuracy};
 use crate::identify::{mapped, read_options};
 use crate::onboard::{FollowedNumber, OnBoard};
-use poinsot_model::{Model, SensorKind, read_model};
+use poinsot_model::{JointKind, Model, read_model};
 use poinsot_onboard::{GroundFilter, Health, Sample, SensorCounts};
 use poinsot_telemetry::{Part, ReadOptions, read_parts};
 use serde_json::{Map, Value, json};
@@ -174,14 +174,10 @@ impl Follower {
     ///
     /// # Errors
     /// E0001: the half-width is no positive number.
-    pub fn wanting(self, file: &Path, accuracy: f64) -> Result<Self, Error> {
+    pub fn wanting(mut self, file: &Path, accuracy: f64) -> Result<Self, Error> {
         check_accuracy(accuracy)?;
-        let file = file.to_owned();
-        Ok(Self {
-            file,
-            accuracy,
-            ..self
-        })
+        (self.file, self.accuracy) = (file.to_owned(), accuracy);
+        Ok(self)
     }
 
     /// The model with its map.
@@ -241,13 +237,10 @@ impl Follower {
         let table = read_parts(parts, &self.options)?;
         if self.filter.is_none() {
             // A joint with a column moves; where it is locked counts without one.
-            for joint in 0..self.model.joints.len() {
-                let own = channel_names::names(&self.model, SensorKind::JointPosition, &[joint]);
-                if own
-                    .iter()
-                    .any(|name| table.sensor_channel("", name).is_some())
-                {
-                    self.model.joints[joint].locked_at = None;
+            let joints = self.model.joints.iter_mut();
+            for joint in joints.filter(|joint| joint.kind != JointKind::Fixed) {
+                if table.sensor_channel("", &position(joint)).is_some() {
+                    joint.locked_at = None;
                 }
             }
             self.on_board = OnBoard::new(&self.model, None)?;

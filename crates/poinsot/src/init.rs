@@ -7,7 +7,7 @@ use crate::proposal::{Line, Proposal};
 use crate::propose_sensors::{SensorChannels, noise, owner, vector_sensors};
 use crate::survey::Survey;
 use poinsot_files::{escaped, rounded};
-use poinsot_model::{Joint, JointKind, Model, SensorKind, UrdfOptions, read_robot, write_model};
+use poinsot_model::{Joint, Model, SensorKind, UrdfOptions, read_robot, write_model};
 use poinsot_telemetry::{
     ChannelName, ChannelSummary, Dimension, Kind, ReadOptions, classify, recognise,
 };
@@ -171,8 +171,7 @@ fn robot_text(robot: &Model, parts: &Parts) -> String {
             });
         }
         let own = |joint: &&Joint| table == "[[joint]]" && joint.name == name;
-        let joint = robot.joints.iter().find(own);
-        let Some(joint) = joint.filter(|joint| joint.kind != JointKind::Fixed) else {
+        let Some(joint) = robot.moving_joints().find(own) else {
             continue;
         };
         let unit = joint_unit(joint);
@@ -313,9 +312,8 @@ impl Proposal {
             let own = line.key.split('_').next().map(number).unwrap_or_default();
             let named = |j: &&Joint| plain(&column).contains(&plain(&j.name));
             let numbered = |j: &&Joint| !own.is_empty() && number(&j.name) == own;
-            let turning = robot.joints.iter().filter(|j| j.kind != JointKind::Fixed);
-            let named: Vec<&Joint> = turning.clone().filter(named).collect();
-            let numbered: Vec<&Joint> = turning.filter(numbered).collect();
+            let named: Vec<&Joint> = robot.moving_joints().filter(named).collect();
+            let numbered: Vec<&Joint> = robot.moving_joints().filter(numbered).collect();
             let (([joint], _) | ([], [joint])) = (&named[..], &numbered[..]) else {
                 rest.push(column);
                 return false;

@@ -5,13 +5,10 @@ mod truth;
 
 use crate::bind::mountings;
 use crate::case::{Case, Format, SIMULATED, Scenario, read_case};
-use crate::channel_names::names;
 use crate::error::{Error, no_motion};
 use crate::progress::step;
 use crate::written::{check_outputs, result_json};
-use poinsot_dynamics::{
-    Flight, Halt, JointDrive, MotionError, MotionSample, Tree, Vehicle, WheelUse,
-};
+use poinsot_dynamics::{Flight, Halt, JointDrive, MotionError, MotionSample, Vehicle, WheelUse};
 use poinsot_files::{Pace, Place, Stage};
 use poinsot_formats::{TruthFile, sha256_of};
 use poinsot_model::{Joint, Model, Nuisance, SensorKind, read_model};
@@ -78,7 +75,7 @@ pub fn simulate(case_path: &Path, out: &Path) -> Result<Written, Error> {
     let scenario = case.bind(&model)?;
     let rows = scenario.times.count();
     case.check_memory(&model, rows.min(GROUP), SIMULATED)?;
-    let mut recorder = Recorder::new(&model, &scenario, &Tree::new(&model), case.seed, 0);
+    let mut recorder = Recorder::new(&model, &scenario, case.seed, 0);
     // Files are in sensor axes, tables in body axes.
     let back: Vec<Mounting> = mountings(&model).iter().map(Mounting::inverse).collect();
     let in_sensor_axes = |mut table: Table| {
@@ -149,7 +146,7 @@ pub fn simulate_case(case: &Case, model: &Model) -> Result<Simulation, Error> {
 pub fn simulate_trial(case: &Case, model: &Model, trial: u64) -> Result<Simulation, Error> {
     let scenario = case.bind(model)?;
     case.check_memory(model, scenario.times.count(), SIMULATED)?;
-    let mut recorder = Recorder::new(model, &scenario, &Tree::new(model), case.seed, trial);
+    let mut recorder = Recorder::new(model, &scenario, case.seed, trial);
     let truth = recorded_trial(case, model, &scenario, &mut recorder, |_| Ok(()))?;
     let table = recorder.drain(&scenario);
     Ok(Simulation { table, truth })
@@ -254,12 +251,10 @@ pub fn simulate_exact_of(
 
 /// Drops channels that no sensor of the model measures. Commanded channels of joints, wheels and thrusters remain.
 pub(crate) fn keep_measured(model: &Model, table: &mut Table) {
-    let blind: Vec<String> = SensorKind::ALL
-        .into_iter()
-        .filter(|kind| !kind.is_scalar() && model.sensors_of(*kind).next().is_none())
-        .flat_map(|kind| names(model, kind, &[]))
-        .collect();
-    table.channels.retain(|c| !blind.contains(&c.name));
+    let kinds = SensorKind::with_axes();
+    let unread = kinds.filter(|kind| model.sensors_of(*kind).next().is_none());
+    let blind: Vec<&str> = unread.flat_map(SensorKind::columns).copied().collect();
+    table.channels.retain(|c| !blind.contains(&c.name.as_str()));
 }
 
 /// Ideal measurements of a vehicle with other mass properties, at the times of the scenario. All other channels are of
@@ -287,7 +282,7 @@ fn recorded(
     mut watch: impl FnMut(&MotionSample),
 ) -> Result<Table, Error> {
     case.check_memory(perfect, scenario.times.count(), SIMULATED)?;
-    let mut recorder = Recorder::new(perfect, scenario, &Tree::new(perfect), case.seed, 0);
+    let mut recorder = Recorder::new(perfect, scenario, case.seed, 0);
     run(case, perfect, bodies, scenario, |sample| {
         watch(sample);
         recorder.take(sample);
@@ -360,8 +355,7 @@ fn refusal(case: &Case, model: &Model, error: MotionError) -> Error {
     let MotionError::Halt(Halt::Joint { coordinate, .. }) = error else {
         return no_motion(case.path(), error);
     };
-    let joint = Tree::new(model).coordinates.get(coordinate).copied();
-    let joint = joint.and_then(|k| model.joints.get(k));
+    let joint = model.moving_joints().nth(coordinate);
     let joint = joint.map_or("", |j| j.name.as_str());
     let problem = format!(
         "joint \"{joint}\" moves by torque or spring, but its outboard bodies have no inertia about its axis (singular mass matrix)"
@@ -375,14 +369,8 @@ pub(crate) fn free_joints<'m>(
     model: &'m Model,
     scenario: &'m Scenario,
 ) -> Vec<(&'m Joint, &'m JointDrive)> {
-    let tree = Tree::new(model);
-    let drives = &scenario.plan.joints;
-    tree.coordinates
-        .iter()
-        .zip(drives)
-        .filter(|(_, drive)| drive.is_free())
-        .filter_map(|(k, drive)| Some((model.joints.get(*k)?, drive)))
-        .collect()
+    let driven = model.moving_joints().zip(&scenario.plan.joints);
+    driven.filter(|(_, drive)| drive.is_free()).collect()
 }
 
 /// Whether a position sensor of the model measures this joint.

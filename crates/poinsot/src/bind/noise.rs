@@ -68,13 +68,13 @@ pub(super) fn declared_noise(
         seen_velocity: 0.0,
         seen_joint_rate: 0.0,
     };
-    silence_given(model, tree, tables, &mut noise);
+    silence_given(model, tables, &mut noise);
     noise.seen_gyro = seen(axes(columns(SensorKind::Gyro), &gyro));
     noise.seen_velocity = seen(axes(columns(SensorKind::Velocity), &noise.velocity));
-    let rates = tree.coordinates.iter().zip(&noise.joint_rate);
+    let rates = model.moving_joints().zip(&noise.joint_rate);
     let rates = rates.filter(|(_, variance)| **variance > 0.0);
-    let rates = rates.flat_map(|(&at, variance)| {
-        let [_, rate] = joint_columns(&model.joints[at]);
+    let rates = rates.flat_map(|(joint, variance)| {
+        let [_, rate] = joint_columns(joint);
         let read = tables.iter().filter_map(move |t| t.channel(&rate));
         read.map(|channel| (channel, *variance))
     });
@@ -126,9 +126,8 @@ fn velocity<'t>(
 
 /// A joint or wheel without a column is given, so without noise. With positions only, the noise of the rate of a joint is that of
 /// differences.
-fn silence_given(model: &Model, tree: &Tree, tables: &[Table], noise: &mut Noise) {
-    for (k, &at) in tree.coordinates.iter().enumerate() {
-        let joint = &model.joints[at];
+fn silence_given(model: &Model, tables: &[Table], noise: &mut Noise) {
+    for (k, joint) in model.moving_joints().enumerate() {
         let [position, rate] = joint_columns(joint);
         let channels = |name: &str| tables.iter().filter_map(|t| t.channel(name)).next();
         match (channels(&position), channels(&rate)) {

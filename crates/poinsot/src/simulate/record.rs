@@ -4,8 +4,8 @@ use super::stream;
 use crate::case::Scenario;
 use crate::channel_names::{XYZ, names, of_all, position, wheel_torques, wheels};
 use poinsot_dynamics::{
-    ForceProfile, Instrument, JointDrive, MotionSample, SAME_TIME, Tree, WheelDrive, WheelMotion,
-    thrust_held, vector_reading,
+    Instrument, JointDrive, MotionSample, SAME_TIME, Tree, WheelDrive, WheelMotion, thrust_held,
+    vector_reading,
 };
 use poinsot_model::{Joint, Model, SensorKind};
 use poinsot_spatial::Vector3;
@@ -56,12 +56,13 @@ pub(super) struct Recorder {
 
 impl Recorder {
     /// Creates groups for all sensors, and exact channels for everything without a sensor.
-    pub fn new(model: &Model, scenario: &Scenario, tree: &Tree, seed: u64, trial: u64) -> Self {
+    pub fn new(model: &Model, scenario: &Scenario, seed: u64, trial: u64) -> Self {
+        let tree = Tree::new(model);
         let mut groups = Vec::new();
         for (i, sensor) in model.sensors.iter().enumerate() {
             let given = scenario.sensors.get(i);
             let bias = given.and_then(|s| s.bias.as_deref());
-            let mut instrument = Instrument::new(sensor, tree, seed, stream(trial, i), bias);
+            let mut instrument = Instrument::new(sensor, &tree, seed, stream(trial, i), bias);
             for (error, value) in given.map_or(&[][..], |s| &s.errors) {
                 instrument.set_error(*error, *value);
             }
@@ -80,12 +81,12 @@ impl Recorder {
         }
         let measured: HashSet<String> = groups.iter().flat_map(|g| g.names.clone()).collect();
         let only = scenario.sensors_only;
-        let commanded = only.then(|| commanded(model, scenario, tree, &measured));
+        let commanded = only.then(|| commanded(model, scenario, &measured));
         let written = |name: &String| {
             let wanted = commanded.as_ref().is_none_or(|c| c.contains(name));
             wanted && !measured.contains(name)
         };
-        for (names, read) in exact_channels(model, scenario, tree) {
+        for (names, read) in exact_channels(model, scenario, &tree) {
             if names.iter().any(written) {
                 groups.push(Group::new(None, names, 1, Reader::Exact(read)));
             }
@@ -180,14 +181,13 @@ impl Recorder {
                     continue;
                 }
                 let thruster = self.thrust.iter().position(|n| exact && *n == name);
-                if let Some(k) = thruster {
-                    let (time_s, values) = with_switches(scenario, k, (self.before, base));
-                    channels.push(channel(name, String::new(), time_s, values));
-                    continue;
-                }
+                let (time_s, values) = match thruster {
+                    Some(k) => with_switches(scenario, k, (self.before, base)),
+                    None => (base.clone(), values),
+                };
                 let sensor = group.sensor.clone().filter(|_| count > 1);
                 let sensor = sensor.unwrap_or_default();
-                channels.push(channel(name, sensor, base.clone(), values));
+                channels.push(channel(name, sensor, time_s, values));
             }
         }
         self.before = self.times.last().copied().or(self.before);
@@ -280,51 +280,37 @@ pub(crate) fn joint_channels(joint: &Joint) -> [String; 4] {
 
 /// Joint coordinates with a motor, and their channels; none if all motion is prescribed, because motor torque is then
 /// not commanded.
-fn motor_channels(model: &Model, scenario: &Scenario, tree: &Tree) -> (Vec<usize>, Vec<String>) {
+fn motor_channels(model: &Model, scenario: &Scenario) -> (Vec<usize>, Vec<String>) {
     let drives = &scenario.plan.joints;
     if !drives.iter().any(JointDrive::is_free) {
         return (Vec::new(), Vec::new());
     }
-    let with_motor = drives.iter().enumerate().filter(|(_, drive)| match drive {
-        JointDrive::Force { motor, .. } => *motor != ForceProfile::none(),
-        JointDrive::Motion(_) => true,
-    });
-    let named = with_motor.filter_map(|(k, _)| {
-        let joint = model.joints.get(*tree.coordinates.get(k)?)?;
+    let driven = model.moving_joints().zip(drives).enumerate();
+    let with_motor = driven.filter(|(_, (_, drive))| !drive.is_free() || drive.has_motor());
+    let named = with_motor.map(|(k, (joint, _))| {
         let [.., effort] = joint_channels(joint);
-        Some((k, effort))
+        (k, effort)
     });
     named.unzip()
 }
 
 /// Commanded channels: thrust, motor torques, and prescribed motions without a sensor.
-fn commanded(
-    model: &Model,
-    scenario: &Scenario,
-    tree: &Tree,
-    measured: &HashSet<String>,
-) -> HashSet<String> {
+fn commanded(model: &Model, scenario: &Scenario, measured: &HashSet<String>) -> HashSet<String> {
     let mut all = HashSet::from_iter(of_all(model, SensorKind::Thrust));
     let law = scenario.plan.control.as_ref();
+    let accelerated = law.is_some_and(|law| law.drive == WheelDrive::Acceleration);
     for (k, motion) in scenario.plan.wheels.iter().enumerate() {
         let suffix = match motion {
-            WheelMotion::Controlled { .. }
-                if law.is_some_and(|law| law.drive == WheelDrive::Acceleration) =>
-            {
-                continue;
-            }
+            WheelMotion::Controlled { .. } if accelerated => continue,
             WheelMotion::Controlled { .. } | WheelMotion::Torque { .. } => "Nm",
             WheelMotion::Speed(_) => "rad_s",
         };
         all.extend(wheels(model, &[k], suffix));
     }
-    for (k, at) in tree.coordinates.iter().enumerate() {
-        let Some(joint) = model.joints.get(*at) else {
-            continue;
-        };
+    for (joint, drive) in model.moving_joints().zip(&scenario.plan.joints) {
         let [position, rate, _, effort] = joint_channels(joint);
-        match scenario.plan.joints.get(k) {
-            Some(JointDrive::Force { .. }) => all.extend([effort]),
+        match drive {
+            JointDrive::Force { .. } => all.extend([effort]),
             _ if !measured.contains(&position) => all.extend([position, rate]),
             _ => {}
         }
@@ -349,7 +335,7 @@ fn exact_channels(model: &Model, scenario: &Scenario, tree: &Tree) -> Vec<(Vec<S
         true => vector("orbit"),
         false => Vec::new(),
     };
-    let (motors, efforts) = motor_channels(model, scenario, tree);
+    let (motors, efforts) = motor_channels(model, scenario);
     let motor: Read = Box::new(move |s, out| {
         out.extend(motors.iter().filter_map(|k| s.motor_force.get(*k)));
     });
