@@ -19,7 +19,7 @@ mod sensors;
 pub use channels::{mountings, spin_inertias, wanted_channels};
 pub(crate) use cut::cut_at;
 pub use motion::acceleration_channels;
-pub(crate) use noise::scalar;
+pub(crate) use {noise::scalar, sensors::covariance};
 
 use crate::error::Error;
 use channels::{Channels, joint_columns};

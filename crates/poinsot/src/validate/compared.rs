@@ -1,5 +1,6 @@
 //! One quantity from two sources over time, and its difference.
 
+use crate::bind::covariance;
 use nalgebra::Quaternion;
 use poinsot_formats::{ComparedQuantityFile, InSigmasFile};
 use poinsot_model::Sensor;
@@ -120,12 +121,11 @@ impl Group<'_> {
     /// Differences in units of the declared noise including rounding, per axis.
     fn sigmas(&self, difference: &[Vec<f64>]) -> Option<InSigmasFile> {
         let sensor = self.sensor?;
-        let covariance = sensor.covariance().unwrap_or_default();
-        let step = sensor.quantisation * sensor.quantisation / 12.0;
+        let covariance = covariance(sensor)?;
         let (mut square, mut count, mut largest) = (0.0, 0_usize, 0.0_f64);
         for (k, row) in difference.iter().enumerate() {
             let axis = if sensor.kind.is_scalar() { 0 } else { k };
-            let sigma = (covariance[(axis, axis)] + step).sqrt();
+            let sigma = covariance[(axis, axis)].sqrt();
             if sigma <= 0.0 {
                 return None;
             }

@@ -76,11 +76,10 @@ fn groups(model: &Model) -> Vec<Group<'_>> {
         if joint.kind == JointKind::Fixed {
             continue;
         }
-        for kind in [SensorKind::JointPosition, SensorKind::JointRate] {
-            let what = match kind {
-                SensorKind::JointRate => "rate of joint",
-                _ => "joint",
-            };
+        for (kind, what) in [
+            (SensorKind::JointPosition, "joint"),
+            (SensorKind::JointRate, "rate of joint"),
+        ] {
             list.push(Group {
                 name: format!("{what} {}", joint.name),
                 unit: printed_unit(kind.unit(joint.slides())),
