@@ -36,29 +36,28 @@ impl Case {
     pub fn wants(&self, model: &Model) -> Result<Vec<Want>, Error> {
         let tables = self.file.want.iter().enumerate();
         self.planned(model, |planner| {
-            let wants = tables.flat_map(|(i, table)| planner.want(table, &format!("want[{i}]")));
-            wants.collect()
+            let wants = tables.filter_map(|(i, table)| planner.want(table, &format!("want[{i}]")));
+            wants.flatten().collect()
         })
     }
 }
 
 impl Planner<'_> {
-    fn want(&mut self, table: &WantFile, key: &str) -> Vec<Want> {
+    fn want(&mut self, table: &WantFile, key: &str) -> Option<Vec<Want>> {
         let numbers = match (&table.number, &table.combination) {
-            (Some(number), None) => self.numbers(number, &format!("{key}.number")),
-            (None, Some(sum)) => self.combination(sum, key),
+            (Some(number), None) => self.numbers(number, &format!("{key}.number"))?,
+            (None, Some(sum)) => vec![self.combination(sum, key)?],
             _ => {
                 let problem = "each [[want]] needs either number or combination";
                 let remedy = "write number = \"BODY.mass_kg\", or combination = { \"BODY.inertia_kg_m2.xx\" = 1.0, ... }";
-                self.refuse("E0507", key, problem, remedy);
-                return Vec::new();
+                return self.refused("E0507", key, problem, remedy);
             }
         };
         let stated = |want: Want| {
             let sigma = self.wanted_sigma(table, &want.terms, key)?;
             Some(Want { sigma, ..want })
         };
-        numbers.into_iter().filter_map(stated).collect()
+        Some(numbers.into_iter().filter_map(stated).collect())
     }
 
     fn wanted_sigma(&mut self, table: &WantFile, terms: &[WantedTerm], key: &str) -> Option<f64> {
@@ -89,22 +88,18 @@ impl Planner<'_> {
         self.refused("E0507", &key, problem, "give sigma in its unit")
     }
 
-    fn combination(&mut self, sum: &BTreeMap<String, f64>, key: &str) -> Vec<Want> {
+    fn combination(&mut self, sum: &BTreeMap<String, f64>, key: &str) -> Option<Want> {
         let key = format!("{key}.combination");
         let (mut names, mut terms, mut unit) = (Vec::new(), Vec::new(), None);
         for (address, factor) in sum {
-            let found = self.numbers(address, &key);
+            let found = self.numbers(address, &key)?;
             let [one] = found.as_slice() else {
-                if !found.is_empty() {
-                    let problem = format!("\"{address}\" is a group of numbers");
-                    self.refuse("E0507", &key, problem, "name single numbers");
-                }
-                return Vec::new();
+                let problem = format!("\"{address}\" is a group of numbers");
+                return self.refused("E0507", &key, problem, "name single numbers");
             };
             if unit.is_some_and(|u| u != one.unit) {
                 let problem = "the numbers have different units";
-                self.refuse("E0507", &key, problem, "add numbers of one unit");
-                return Vec::new();
+                return self.refused("E0507", &key, problem, "add numbers of one unit");
             }
             unit = Some(one.unit);
             names.push(format!("{factor} {address}"));
@@ -113,42 +108,40 @@ impl Planner<'_> {
                 ..*t
             }));
         }
-        if unit.is_none() {
-            self.refuse("E0507", &key, "the combination is empty", "name numbers");
-        }
-        let name = names.join(" + ");
-        let one = |unit| Want {
-            name,
+        let Some(unit) = unit else {
+            return self.refused("E0507", &key, "the combination is empty", "name numbers");
+        };
+        Some(Want {
+            name: names.join(" + "),
             unit,
             terms,
             sigma: f64::NAN,
-        };
-        unit.map(one).into_iter().collect()
+        })
     }
 
     /// The numbers of an address: `bus.mass_kg`, `bus.com_m.x`, `bus.com_m` (all three), ...
-    fn numbers(&mut self, address: &str, key: &str) -> Vec<Want> {
+    fn numbers(&mut self, address: &str, key: &str) -> Option<Vec<Want>> {
         let known = all_numbers(self.model);
+        let parts = Address::parse(address);
+        let is_group = parts.component().is_none() && GROUPS.contains(&parts.quantity());
         let is_meant = |want: &&Want| {
             let rest = want.name.strip_prefix(address);
-            rest.is_some_and(|r| r.is_empty() || (r.starts_with('.') && is_group(address)))
+            rest.is_some_and(|r| r.is_empty() || (r.starts_with('.') && is_group))
         };
         let wanted: Vec<Want> = known.iter().filter(is_meant).cloned().collect();
         if wanted.is_empty() {
             let remedy = did_you_mean(address, known.iter().map(|want| want.name.as_str()));
             let problem = "the model has no number of this address";
-            self.refuse("E0504", key, problem, remedy);
-            return Vec::new();
+            return self.refused("E0504", key, problem, remedy);
         }
         let mut terms = wanted.iter().flat_map(|want| &want.terms);
         if let Some(term) = terms.find(|term| !is_estimated(self.model, term)) {
             let name = &self.model.bodies[term.body].name;
             let problem = format!("\"{address}\" is known: body \"{name}\" does not estimate it");
             let remedy = "set estimate in the model, or leave the want out";
-            self.refuse("E0507", key, problem, remedy);
-            return Vec::new();
+            return self.refused("E0507", key, problem, remedy);
         }
-        wanted
+        Some(wanted)
     }
 }
 
@@ -168,11 +161,6 @@ pub fn estimated_numbers(model: &Model) -> Vec<Want> {
 
 fn is_estimated(model: &Model, term: &WantedTerm) -> bool {
     model.bodies[term.body].estimate.has(term.number)
-}
-
-fn is_group(address: &str) -> bool {
-    let parts = Address::parse(address);
-    parts.component().is_none() && GROUPS.contains(&parts.quantity())
 }
 
 /// Every number of every body, with infinite wanted sigma.
