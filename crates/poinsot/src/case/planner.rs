@@ -16,37 +16,19 @@ const SAME: f64 = 1.0e-9;
 /// A motion with its key; `None` if it is faulty.
 type Led<M> = (String, Option<M>);
 
-/// A motion of a joint or wheel.
-pub(super) trait Motion {
-    /// Its nodes, if it has any.
-    fn profile(self) -> Option<PiecewisePolynomial>;
-    /// The motion through nodes.
-    fn of(profile: PiecewisePolynomial) -> Self;
-}
-
-impl Motion for JointMotion {
-    fn profile(self) -> Option<PiecewisePolynomial> {
-        match self {
-            Self::Nodes(profile) => Some(profile),
-            Self::Fourier(_) => None,
-        }
-    }
-
-    fn of(profile: PiecewisePolynomial) -> Self {
-        Self::Nodes(profile)
+/// The nodes of a joint's motion, if it has any.
+pub(super) fn nodes_of_joint(motion: JointMotion) -> Option<PiecewisePolynomial> {
+    match motion {
+        JointMotion::Nodes(profile) => Some(profile),
+        JointMotion::Fourier(_) => None,
     }
 }
 
-impl Motion for WheelMotion {
-    fn profile(self) -> Option<PiecewisePolynomial> {
-        match self {
-            Self::Speed(profile) => Some(profile),
-            Self::Torque { .. } | Self::Controlled { .. } => None,
-        }
-    }
-
-    fn of(profile: PiecewisePolynomial) -> Self {
-        Self::Speed(profile)
+/// The nodes of a wheel's motion, if it has any.
+pub(super) fn nodes_of_wheel(motion: WheelMotion) -> Option<PiecewisePolynomial> {
+    match motion {
+        WheelMotion::Speed(profile) => Some(profile),
+        WheelMotion::Torque { .. } | WheelMotion::Controlled { .. } => None,
     }
 }
 
@@ -133,7 +115,8 @@ impl<'c> Planner<'c> {
         let moved: Vec<bool> = led.iter().map(|tables| !tables.is_empty()).collect();
         for (k, tables) in led.into_iter().enumerate() {
             let open = self.open.joints.contains(&k);
-            if let Some(motion) = self.one_after_another(tables, open) {
+            let all = self.one_after_another(tables, open, nodes_of_joint, JointMotion::Nodes);
+            if let Some(motion) = all {
                 plan.joints[k] = motion.into();
             }
         }
@@ -153,7 +136,8 @@ impl<'c> Planner<'c> {
                     "add a [[wheel_motion]], with time_s = [0.0], speed_rad_s = [0.0] for rest";
                 self.refuse("E0504", "wheel_motion", problem, remedy);
             }
-            if let Some(motion) = self.one_after_another(tables, open) {
+            let all = self.one_after_another(tables, open, nodes_of_wheel, WheelMotion::Speed);
+            if let Some(motion) = all {
                 plan.wheels[k] = motion;
             }
         }
@@ -161,14 +145,20 @@ impl<'c> Planner<'c> {
         (plan, moved)
     }
 
-    /// The motions of one joint or wheel as one. It must not jump, except where a design fills the time between.
-    fn one_after_another<M: Motion>(&mut self, mut tables: Vec<Led<M>>, open: bool) -> Option<M> {
+    /// The motions of one joint or wheel as one, by their nodes. It must not jump, except where a design fills the time between.
+    fn one_after_another<M>(
+        &mut self,
+        mut tables: Vec<Led<M>>,
+        open: bool,
+        nodes: fn(M) -> Option<PiecewisePolynomial>,
+        through: fn(PiecewisePolynomial) -> M,
+    ) -> Option<M> {
         if tables.len() < 2 {
             return tables.pop()?.1;
         }
         let mut profiles: Vec<(String, PiecewisePolynomial)> = Vec::new();
         for (key, motion) in tables {
-            match motion?.profile() {
+            match nodes(motion?) {
                 Some(profile) => profiles.push((key, profile)),
                 None => {
                     let problem = "a second motion for the same joint or wheel";
@@ -198,7 +188,7 @@ impl<'c> Planner<'c> {
             }
             all = both;
         }
-        Some(M::of(all))
+        Some(through(all))
     }
 
     /// Index of a part; reports a name that the model does not have, and a joint that does not move.

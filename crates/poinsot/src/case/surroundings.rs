@@ -1,7 +1,7 @@
 //! What a case flies before and after the part that a design fills.
 
 use super::designed::{Design, Form, Moved};
-use super::planner::{Motion, Planner};
+use super::planner::{Planner, nodes_of_joint, nodes_of_wheel};
 use super::thrusters::Fired;
 use super::window::{Open, Part, Replaced, Window};
 use poinsot_dynamics::PiecewisePolynomial;
@@ -60,7 +60,7 @@ impl Planner<'_> {
             let key = format!("joint_motion[{i}]");
             if let Some(moved) = found
                 && let Some(motion) = self.joint_motion(table, moved.index, &key)
-                && self.surround(moved, window, motion.profile(), &key)
+                && self.surround(moved, window, nodes_of_joint(motion), &key)
             {
                 replaced.joint_motion.push(i);
             }
@@ -71,7 +71,7 @@ impl Planner<'_> {
             let key = format!("wheel_motion[{i}]");
             if let Some(moved) = found
                 && let Some(motion) = self.wheel_motion(table, &key)
-                && self.surround(moved, window, motion.profile(), &key)
+                && self.surround(moved, window, nodes_of_wheel(motion), &key)
             {
                 replaced.wheel_motion.push(i);
             }
