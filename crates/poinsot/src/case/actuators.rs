@@ -19,9 +19,6 @@ impl Planner<'_> {
         table: &WheelMotionFile,
         key: &str,
     ) -> Option<WheelMotion> {
-        let wrong = |planner: &mut Self, problem: &str, remedy: &str| {
-            planner.refused("E0507", key, problem, remedy)
-        };
         let usual = || format!("{}{SPEED}", table.wheel);
         let column = table.column.clone().unwrap_or_else(usual);
         let (torque, nodes) = match (&table.speed_rad_s, &table.torque_N_m, &table.file) {
@@ -30,7 +27,7 @@ impl Planner<'_> {
             (None, None, Some(_)) => (column.ends_with(TORQUE), None),
             _ => {
                 let problem = "a wheel needs exactly one of speed_rad_s, torque_N_m and file";
-                return wrong(self, problem, "give one of them");
+                return self.refused("E0507", key, problem, "give one of them");
             }
         };
         let possible = if torque { OF_TORQUE } else { OF_SPEED };
@@ -41,10 +38,12 @@ impl Planner<'_> {
                 let name = if torque { "torque_N_m" } else { "speed_rad_s" };
                 self.checked(build(time, values), key, name)?
             }
-            (Some(_), None, _) => return wrong(self, "a table needs time_s", "add time_s = [...]"),
+            (Some(_), None, _) => {
+                return self.refused("E0507", key, "a table needs time_s", "add time_s = [...]");
+            }
             _ => {
                 let problem = "time_s belongs to a table, column to a file";
-                return wrong(self, problem, "leave it out");
+                return self.refused("E0507", key, problem, "leave it out");
             }
         };
         if torque {

@@ -137,8 +137,7 @@ fn start(planner: &mut Planner, initial: &InitialFile) -> Start {
     let twist = twist.or(initial.omega_rad_s.map(|_| "omega_rad_s"));
     let momentum = initial.linear_N_s.map(|_| "linear_N_s");
     let momentum = momentum.or(initial.angular_N_m_s.map(|_| "angular_N_m_s"));
-    let zero = initial.momentum_zero.filter(|zero| *zero);
-    let zero = zero.map(|_| "momentum_zero");
+    let zero = (initial.momentum_zero == Some(true)).then_some("momentum_zero");
     if let Some(second) = [twist, momentum, zero].into_iter().flatten().nth(1) {
         let problem = "the initial motion is given twice";
         let remedy =

@@ -102,9 +102,7 @@ impl Planner<'_> {
         for (i, table) in file.wheel.iter().enumerate() {
             let key = format!("limits.wheel[{i}]");
             for k in self.parts(Part::Wheel, table.wheels.as_deref(), &key) {
-                let given = self.wheel_limit(table, k);
-                wheels[k].speed = wheels[k].speed.min(given.speed);
-                wheels[k].torque = wheels[k].torque.min(given.torque);
+                wheels[k].tighten(table, self.model.wheels[k].spin_inertia);
             }
         }
         let (thrusters, impulses) = self.thruster_limits(&file.thruster);
@@ -149,16 +147,6 @@ impl Planner<'_> {
             acceleration: limit(table.acceleration_rad_s2, table.acceleration_m_s2),
             effort: limit(table.torque_N_m, table.force_N),
         })
-    }
-
-    fn wheel_limit(&self, table: &WheelLimitFile, wheel: usize) -> WheelLimit {
-        let limit = |x: Option<f64>| x.unwrap_or(f64::INFINITY);
-        let spin = self.model.wheels[wheel].spin_inertia;
-        let momentum = limit(table.momentum_N_m_s);
-        WheelLimit {
-            speed: limit(table.speed_rad_s).min(momentum / spin.abs().max(f64::MIN_POSITIVE)),
-            torque: limit(table.torque_N_m),
-        }
     }
 
     fn cone(&mut self, table: &ConeFile, key: &str) -> Option<Cone> {
@@ -223,4 +211,12 @@ impl WheelLimit {
         speed: f64::INFINITY,
         torque: f64::INFINITY,
     };
+
+    fn tighten(&mut self, table: &WheelLimitFile, spin_inertia: f64) {
+        let limit = |x: Option<f64>| x.unwrap_or(f64::INFINITY);
+        let spin = spin_inertia.abs().max(f64::MIN_POSITIVE);
+        let stored = limit(table.momentum_N_m_s) / spin;
+        self.speed = self.speed.min(limit(table.speed_rad_s)).min(stored);
+        self.torque = self.torque.min(limit(table.torque_N_m));
+    }
 }

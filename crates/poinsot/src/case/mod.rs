@@ -117,7 +117,6 @@ pub(crate) fn shaped_case(path: &Path, text: String) -> Result<(Case, Vec<Fault>
             format!("write schema = \"{CASE}\""),
         ));
     }
-    let (duration_s, rate_hz) = (file.duration_s, file.output.rate_hz);
     let mut tolerance = Tolerance::default();
     if let Some(integration) = &file.integration {
         tolerance.relative = integration.relative_tolerance;
@@ -125,8 +124,8 @@ pub(crate) fn shaped_case(path: &Path, text: String) -> Result<(Case, Vec<Fault>
     let folder = path.parent().unwrap_or(Path::new(""));
     let case = Case {
         model: folder.join(&file.model),
-        duration_s,
-        rate_hz,
+        duration_s: file.duration_s,
+        rate_hz: file.output.rate_hz,
         format: file.output.format,
         seed: file.output.seed,
         tolerance,

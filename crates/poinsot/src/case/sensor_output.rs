@@ -79,11 +79,10 @@ impl Planner<'_> {
         sensor: &Sensor,
         key: &str,
     ) -> Vec<(SensorError, f64)> {
-        let three = |value: Option<[f64; 3]>| value.map(|v| v.to_vec());
         let scale = table.scale.clone().filter(|_| !sensor.kind.is_scalar());
         let lag = table.lag_s.map(|lag| vec![lag]);
-        let turn = three(table.misalignment_rad);
-        let shear = three(table.nonorthogonality_rad);
+        let turn = table.misalignment_rad.map(|v| v.to_vec());
+        let shear = table.nonorthogonality_rad.map(|v| v.to_vec());
         let given = [
             (ErrorKey::Scale, "scale", scale),
             (ErrorKey::Misalignment, "misalignment_rad", turn),
