@@ -219,16 +219,12 @@ impl Study {
 
 /// Applies the errors of a sensor to its channels; missing channels are ignored.
 fn disturb(table: &mut Table, sensor: &str, channels: &[String], instrument: &mut Instrument) {
-    let find = |table: &Table, name: &String| {
-        let own = |own: &str| {
-            table
-                .channels
-                .iter()
-                .position(|c| c.sensor == own && c.name == *name)
-        };
-        own(sensor).or_else(|| own(""))
+    let of = |sensor: &str, name: &String| {
+        let mut all = table.channels.iter();
+        all.position(|c| c.sensor == sensor && c.name == *name)
     };
-    let at: Vec<Option<usize>> = channels.iter().map(|name| find(table, name)).collect();
+    let find = |name: &String| of(sensor, name).or_else(|| of("", name));
+    let at: Vec<Option<usize>> = channels.iter().map(find).collect();
     let samples = at.iter().flatten().map(|&k| table.channels[k].values.len());
     let samples = samples.min().unwrap_or(0);
     let mut exact = vec![0.0; at.len()];

@@ -64,11 +64,11 @@ pub(super) fn run_each(
     check_time(&what, seconds)?;
     let pace = Pace::new(what);
     let pieces = Mutex::new(pieces(plan, shards));
-    let failure: Mutex<Option<Error>> = Mutex::new(None);
+    let failure: OnceLock<Error> = OnceLock::new();
     let count = AtomicUsize::new(0);
     step(TRIALS, 0, total);
     let work = || {
-        while locked(&failure).is_none() {
+        while failure.get().is_none() {
             let Some((active, trial)) = locked(&pieces).next() else {
                 return;
             };
@@ -78,13 +78,12 @@ pub(super) fn run_each(
             let taken = finished.and_then(|result| result.map_or(Ok(()), take));
             let taken = taken.and_then(|()| pace.check(1, total));
             if let Err(error) = taken {
-                locked(&failure).get_or_insert(error);
+                failure.get_or_init(|| error);
             }
         }
     };
     on_all_cores(&work)?;
-    let failure = failure.into_inner().unwrap_or_else(PoisonError::into_inner);
-    failure.map_or(Ok(()), Err)
+    failure.into_inner().map_or(Ok(()), Err)
 }
 
 /// Runs one shard in memory, on this thread.

@@ -137,12 +137,8 @@ impl Experiment {
     /// # Errors
     /// The case does not fit the model, or cannot be simulated.
     pub fn study(&self, files: FilesAt) -> Result<Study, Error> {
-        let FilesAt {
-            case,
-            truth,
-            nominal,
-        } = files;
-        let mut study = match (case, &self.record) {
+        let (truth, nominal) = (files.truth, files.nominal);
+        let mut study = match (files.case, &self.record) {
             (Some(mut case), _) => {
                 case.rate_hz /= self.file.every.unwrap_or(1) as f64;
                 Study::of_case(&case, &truth, nominal)?
@@ -224,8 +220,7 @@ fn check_biases(
     refuse: &mut impl FnMut(&'static str, &str, &str),
 ) {
     for (name, bias) in &file.bias {
-        let sensor = model.sensors.iter().find(|s| s.name == *name);
-        let Some(sensor) = sensor else {
+        let Some(sensor) = model.sensors.iter().find(|s| s.name == *name) else {
             let what = format!("the model has no sensor \"{name}\"");
             refuse("bias", &what, "use the name of a sensor");
             continue;

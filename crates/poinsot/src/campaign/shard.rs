@@ -237,16 +237,15 @@ fn columns(plan: &Plan, shard: &Shard, rows: &[Row]) -> Vec<RowColumn> {
     let mut add = |name: String, cells| columns.push(RowColumn { name, cells });
     let label = |k: usize| labels[k % labels.len()].to_owned();
     let labels = (0..rows.len()).map(label).collect();
-    let text = |f: fn(&Row) -> String| RowCells::Text(rows.iter().map(f).collect());
+    let text = |f: &dyn Fn(&Row) -> String| RowCells::Text(rows.iter().map(f).collect());
     let count = |f: &dyn Fn(&Row) -> u64| RowCells::Count(rows.iter().map(f).collect());
     let number = |f: &dyn Fn(&Row) -> Option<f64>| RowCells::Number(rows.iter().map(f).collect());
-    let names = vec![experiment.name.clone(); rows.len()];
-    add("experiment".to_owned(), RowCells::Text(names));
+    add("experiment".to_owned(), text(&|_| experiment.name.clone()));
     add("trial".to_owned(), count(&|r| r.trial));
     add("method".to_owned(), RowCells::Text(labels));
-    add("status".to_owned(), text(status));
+    add("status".to_owned(), text(&status));
     add("passes".to_owned(), count(&passes));
-    add("why".to_owned(), text(|r| r.evidence.join("; ")));
+    add("why".to_owned(), text(&|r| r.evidence.join("; ")));
     add("seed".to_owned(), count(&|_| seed));
     let numbers: [(&str, Of<Row>); 5] = [
         ("seconds", |r| Some(r.seconds)),

@@ -35,11 +35,9 @@ impl Prepared {
     /// # Errors
     /// The experiment cannot be simulated.
     pub fn new(plan: &Plan, shard: &Shard) -> Result<Self, Error> {
-        let shared = match plan.file.draw.is_empty() {
-            true => Some(Repeated::of(plan.study(shard.cell)?)),
-            false => None,
-        };
-        Ok(Self(shared))
+        let same = plan.file.draw.is_empty();
+        let study = same.then(|| plan.study(shard.cell)).transpose()?;
+        Ok(Self(study.map(Repeated::of)))
     }
 
     /// Runs all trials of a shard, one after the other: rows by trial, then by method.

@@ -79,27 +79,23 @@ impl NumberSums {
         self.held += more.held;
     }
 
-    /// Coverage over the trials that determined the number, and over all; null where none states an interval.
-    fn coverage(&self, trials: u64, outside: f64) -> [BandedFile; 2] {
-        match self.trials - self.unstated {
-            0 => [BandedFile::default(); 2],
-            stated => [stated, trials].map(|of| BandedFile::share(self.held, of, outside)),
-        }
-    }
-
     fn result(&self, trials: u64, outside: f64) -> NumberResultFile {
         let n = self.trials as f64;
         let (bias, square) = (self.error / n, self.square / n);
         let spread = ((square - bias * bias).max(0.0) * n / (n - 1.0).max(1.0)).sqrt();
-        let stated = (self.trials - self.unstated) as f64;
+        let stated = self.trials - self.unstated;
         let bound = finite(self.bounds.sum / self.bounds.count as f64).map(f64::sqrt);
         let rmse = BandedFile::mean_square(square, self.trials, outside).root();
         let over = |bound: f64| rmse.over(bound);
-        let [coverage_answered, coverage_all] = self.coverage(trials, outside);
+        // Over the trials that determined the number, and over all; null where none states an interval.
+        let [coverage_answered, coverage_all] = match stated {
+            0 => [BandedFile::default(); 2],
+            _ => [stated, trials].map(|of| BandedFile::share(self.held, of, outside)),
+        };
         NumberResultFile {
             trials: self.trials,
             bound,
-            stated: finite((self.variance / stated).sqrt()),
+            stated: finite((self.variance / stated as f64).sqrt()),
             bias: BandedFile::mean(bias, spread, self.trials, outside),
             rmse,
             rmse_over_bound: bound.map_or_else(BandedFile::default, over),
