@@ -60,10 +60,12 @@ pub fn check(path: &Path) -> Result<StatedFile<Described>, Error> {
 fn described(path: &Path) -> Result<Described, Error> {
     let inside = path.join("estimate.json");
     let path = if path.is_dir() { &inside } else { path };
+    let lines = |file, lines| Ok(Described::Lines { file, lines });
     let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
     if ending == "json" {
         let text = poinsot_files::read_text(path, LARGEST_RESULT).map_err(|e| e.of_result(path))?;
-        return estimate(path, &text);
+        let file = parse_estimate(path, text.as_bytes())?;
+        return lines("estimate", estimate_lines(&file));
     }
     if ["csv", "parquet", "pq"].iter().any(|e| ending == *e) {
         let shown = path.display();
@@ -80,7 +82,6 @@ fn described(path: &Path) -> Result<Described, Error> {
         let kind = |name: &str| name.split('/').next().map(str::to_owned);
         schema.is_some_and(|s| kind(s) == kind(format))
     };
-    let lines = |file, lines| Ok(Described::Lines { file, lines });
     if of(CASE) {
         return lines("case", case(path, text)?);
     }
@@ -106,12 +107,4 @@ fn plan(path: &Path) -> Result<Vec<String>, Error> {
     let sizes = [plan.trials, plan.cells(), plan.shards()];
     let methods = plan.method_labels();
     Ok(plan_lines(&plan.file, &plan.name, sizes, &methods))
-}
-
-fn estimate(path: &Path, text: &str) -> Result<Described, Error> {
-    let file = parse_estimate(path, text.as_bytes())?;
-    Ok(Described::Lines {
-        file: "estimate",
-        lines: estimate_lines(&file),
-    })
 }

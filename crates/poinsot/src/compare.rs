@@ -184,9 +184,9 @@ fn not_compared(files: &[&EstimateFile], common: &Answers) -> Vec<String> {
 /// Why a number is not compared; `None` if it is known and the same.
 fn why_not(numbers: &[&NumberFile], unit: &str) -> Option<String> {
     if numbers.iter().all(|n| n.is_known()) {
-        let values: Vec<f64> = numbers.iter().filter_map(|n| n.value).collect();
+        let values = numbers.iter().filter_map(|n| n.value);
+        let values: Vec<String> = values.map(|x| x.to_string()).collect();
         let differ = numbers.iter().any(|n| n.value != numbers[0].value);
-        let values: Vec<String> = values.iter().map(f64::to_string).collect();
         let values = values.join(", ");
         return differ.then(|| format!("given as known with different values ({values} {unit})"));
     }

@@ -187,10 +187,7 @@ impl Identified {
     /// What was repaired while reading, and what was assumed.
     pub fn repairs(&self) -> Vec<&str> {
         let kinds = [RemarkKind::Repair, RemarkKind::Assumption];
-        kinds
-            .iter()
-            .flat_map(|kind| self.estimate.said(*kind))
-            .collect()
+        kinds.map(|kind| self.estimate.said(kind)).concat()
     }
 }
 
@@ -593,15 +590,13 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
                 Ok((estimate, predictions))
             })
         }
-        _ => maximum_likelihood_predicted(&problem, settings(question, true), points).map(
-            |(mut estimate, predictions)| {
-                estimate.variant.clone_from(&question.variant);
-                (estimate, predictions)
-            },
-        ),
+        _ => maximum_likelihood_predicted(&problem, settings(question, true), points),
     };
     pace.over()?;
     let (mut estimate, predictions) = predicted?;
+    if is_own(&question.method) {
+        estimate.variant.clone_from(&question.variant);
+    }
     known_as_exact(&model, &mut estimate);
     taken_as_constant(&model, &mut estimate);
     let findings = motor_torque::contradictions((&model, &tree), &tables, &bound);
@@ -614,12 +609,9 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
     let repairs = tables.iter().flat_map(|t| t.repairs.clone());
     let repairs = counted.into_iter().chain(repairs).chain(bound.repairs);
     let ignored: BTreeSet<String> = tables.iter().flat_map(|t| t.ignored.clone()).collect();
-    for (kind, all) in [
-        (RemarkKind::Repair, repairs.collect::<Vec<_>>()),
-        (RemarkKind::Ignored, ignored.into_iter().collect()),
-    ] {
-        estimate.add_all(all.into_iter().map(|words| Remark::new(kind, words)));
-    }
+    let ignored = ignored.into_iter();
+    estimate.add_all(repairs.map(|words| Remark::new(RemarkKind::Repair, words)));
+    estimate.add_all(ignored.map(|words| Remark::new(RemarkKind::Ignored, words)));
     Ok(Identified {
         model,
         estimate,
@@ -727,20 +719,15 @@ pub(crate) fn check_method(question: &Question) -> Result<(), Error> {
     if let Some(variant) = &question.variant
         && !known.contains(&variant.as_str())
     {
-        return Err(variant_error(question, &known));
+        let (what, advice) = match known.is_empty() {
+            true => ("variants", "leave it out".to_owned()),
+            false => ("such variant", format!("use one of {}", known.join(", "))),
+        };
+        let problem = format!("method {} has no {what}", question.method);
+        return Err(Error::usage("--variant", variant, problem, advice));
     }
     MethodSettings::parse(&question.settings)?.check(method.name, method.settings)?;
     check_accuracy(question.relative_accuracy)
-}
-
-fn variant_error(question: &Question, known: &[&str]) -> Error {
-    let (what, advice) = match known.is_empty() {
-        true => ("variants", "leave it out".to_owned()),
-        false => ("such variant", format!("use one of {}", known.join(", "))),
-    };
-    let problem = format!("method {} has no {what}", question.method);
-    let variant = question.variant.clone().unwrap_or_default();
-    Error::usage("--variant", variant, problem, advice)
 }
 
 /// Options of reading telemetry for a model.

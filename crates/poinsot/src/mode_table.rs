@@ -134,22 +134,12 @@ pub fn import_modes(path: &Path, body: &str) -> Result<ModeTable, Error> {
 fn meaning(name: &str) -> Option<Column> {
     let small = name.to_lowercase();
     let bare = small.split(['(', '[']).next().unwrap_or_default();
-    let letters = |text: &str| {
-        text.chars()
-            .filter(char::is_ascii_alphanumeric)
-            .collect::<String>()
-    };
-    let plain = letters(bare);
+    let plain: String = bare.chars().filter(char::is_ascii_alphanumeric).collect();
     let ends = ["hz", "kg05m", "kg05", "rads"];
-    let without = ends
-        .iter()
-        .find_map(|end| plain.strip_suffix(end))
-        .unwrap_or(&plain);
+    let mut without = ends.iter().filter_map(|end| plain.strip_suffix(end));
     let of = |word: &str| COLUMNS.iter().find(|(names, _)| names.contains(&word));
-    let found = of(&plain)
-        .or_else(|| of(without))
-        .map(|(_, column)| *column)?;
-    Some(match found {
+    let (_, found) = of(&plain).or_else(|| of(without.next()?))?;
+    Some(match *found {
         Column::Ratio if small.contains('%') => Column::Percent,
         Column::Hertz if small.contains("rad/s") || plain.ends_with("rads") => Column::RadPerSecond,
         other => other,

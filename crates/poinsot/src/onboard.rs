@@ -143,12 +143,8 @@ impl OnBoard {
         };
         let (at, addresses, units) = (of.to_array(), names(&body.name), of.natural_units());
         let back = slopes(&of).try_inverse().unwrap_or_default();
-        let unknown = answer
-            .numbers
-            .iter()
-            .enumerate()
-            .filter(|(_, n)| n.sigma > 0.0);
-        let places: Vec<usize> = unknown.map(|(k, _)| k).collect();
+        let is_unknown = |k: &usize| answer.numbers[*k].sigma > 0.0;
+        let places: Vec<usize> = (0..10).filter(is_unknown).collect();
         let mut covariance = TenByTen::zeros();
         for (i, a) in places.iter().enumerate() {
             for (j, b) in places.iter().enumerate() {
@@ -254,11 +250,8 @@ impl OnBoard {
 
 /// The only body with unknown numbers.
 fn unknown_body(model: &Model) -> Result<usize, Error> {
-    let mut unknown = model
-        .bodies
-        .iter()
-        .enumerate()
-        .filter(|(_, b)| b.estimate.any());
+    let is_unknown = |k: &usize| model.bodies[*k].estimate.any();
+    let mut unknown = (0..model.bodies.len()).filter(is_unknown);
     let refuse = |problem: &str| unsupported(problem, "use identify for this model");
     match (unknown.next(), unknown.next()) {
         _ if model.joints.iter().any(Joint::is_passive) => Err(refuse(
@@ -267,7 +260,7 @@ fn unknown_body(model: &Model) -> Result<usize, Error> {
         _ if model.environment.gravity_gradient => {
             Err(refuse("the on-board filter has no gravity gradient"))
         }
-        (Some((body, _)), None) => Ok(body),
+        (Some(body), None) => Ok(body),
         (None, _) => Err(unsupported(
             "no number of the model is unknown",
             "mark a body with estimate = true",
@@ -404,7 +397,6 @@ fn set_prior(
     let slopes = slopes(nominal);
     // All ten where the mass centre moves: the inertia about the origin moves with it.
     let first = if unknown.mass || unknown.com { 0 } else { 4 };
-    let count = 10 - first;
     configuration.unknown = std::array::from_fn(|k| k >= first);
     // R (theta - nominal) is white with R = L^-1 S^-1; the known ones come first and drop out of the triangle.
     let factor = covariance.cholesky().and_then(|c| c.l().try_inverse());
@@ -417,12 +409,10 @@ fn set_prior(
     let R = (factor * back).qr().r();
     configuration.prior = std::array::from_fn(|i| {
         std::array::from_fn(|j| {
-            let inside = i <= j && j < count;
-            let at = |k: usize| first + k;
-            if inside {
-                R[(at(i), at(j))] * R[(at(i), at(i))].signum()
-            } else {
-                0.0
+            let (row, column) = (first + i, first + j);
+            match row <= column && column < 10 {
+                true => R[(row, column)] * R[(row, row)].signum(),
+                false => 0.0,
             }
         })
     });

@@ -42,8 +42,7 @@ pub fn inspect(
 ) -> Result<InspectionAnswer, Error> {
     let mut options = options.clone();
     let mut own = Vec::new();
-    let own_model = model.map(read_model).transpose()?;
-    if let Some(model) = own_model {
+    if let Some(model) = model.map(read_model).transpose()? {
         options.mountings = mountings(&model);
         options.spin_inertia = Some(spin_inertias(&model));
         own = channel_names::of_parts(&model);
@@ -83,9 +82,8 @@ fn contradicted(files: &[PathBuf], options: &ReadOptions, inspection: &Inspectio
         Some(Refusal::from(tests.find(|t| t.is_contradicted())?.clone()))
     };
     let gate = |map: &TelemetryMap| {
-        let map = map.clone();
         let options = ReadOptions {
-            map,
+            map: map.clone(),
             ..options.clone()
         };
         refusal(&inspect_files(files, &options)?).map_or(Ok(()), Err)

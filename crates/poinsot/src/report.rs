@@ -64,9 +64,7 @@ pub fn write_report(
         )?,
     };
     if !earlier.is_empty() {
-        let this = std::iter::once(folder.to_owned());
-        let answers: Vec<PathBuf> = earlier.iter().cloned().chain(this).collect();
-        let found = compare(&answers)?;
+        let found = compare(&[earlier, &[folder.to_owned()]].concat())?;
         page.parts
             .push(comparison_part(&found).map_err(fault(folder))?);
     }

@@ -117,10 +117,8 @@ fn vehicle(identified: &Identified) -> Vehicle {
             .filter_map(|row| row.values.first().copied());
         first.collect::<Vec<f64>>()
     });
-    let position = match &identified.estimate.system {
-        Some((_, position)) => Some(position.clone()),
-        None => predicted,
-    };
+    let estimated = identified.estimate.system.as_ref();
+    let position = estimated.map(|(_, q)| q.clone()).or(predicted);
     if let Some(q) = position.filter(|q| q.len() == tree.dof()) {
         kinematics.place(&tree, &q);
     }

@@ -156,12 +156,11 @@ pub(crate) fn mass(p: &MassProperties) -> MassFile<TrueNumberFile> {
 fn body(properties: &MassProperties) -> TrueBodyFile {
     let (moments_kg_m2, axes_of) = properties.principal();
     let axes_of = nalgebra::Rotation3::from_matrix_unchecked(axes_of);
-    let q = UnitQuaternion::from_rotation_matrix(&axes_of).coords;
     let parameters = properties.parameters().to_array();
     TrueBodyFile {
         principal: Some(PrincipalFile {
             moments_kg_m2,
-            axes_xyzw: [q.x, q.y, q.z, q.w],
+            axes_xyzw: UnitQuaternion::from_rotation_matrix(&axes_of).coords.into(),
         }),
         barycentric: Some(BarycentricFile::of(parameters.map(number))),
         physically_consistent: Some(properties.check_physical(1e-9).is_ok()),
@@ -171,7 +170,6 @@ fn body(properties: &MassProperties) -> TrueBodyFile {
 
 /// Pose and motion of the base and the joints at time zero.
 fn initial(model: &Model, s: &MotionSample) -> InitialFile {
-    let q = s.R_NB.coords;
     let joints = model.moving_joints().zip(s.q.iter().zip(&s.rates));
     let joints = joints.map(|(joint, (q, rate))| {
         let state = match joint.kind {
@@ -187,7 +185,7 @@ fn initial(model: &Model, s: &MotionSample) -> InitialFile {
         (joint.name.clone(), state)
     });
     InitialFile {
-        q_xyzw: [q.x, q.y, q.z, q.w],
+        q_xyzw: s.R_NB.coords.into(),
         omega_rad_s: s.w_NB_B.into(),
         r_m: s.p_NoBo_N.into(),
         v_m_s: s.v_NBo_N.into(),
