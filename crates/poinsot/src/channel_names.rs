@@ -68,6 +68,15 @@ pub(crate) fn joint_unit(joint: &Joint) -> &'static str {
     SensorKind::JointPosition.unit(joint.slides())
 }
 
+/// Position, rate, acceleration and effort of a joint.
+pub(crate) fn joint_channels(joint: &Joint) -> [String; 4] {
+    let effort = if joint.slides() { "N" } else { "Nm" };
+    let position = position(joint);
+    let [rate, acceleration] = ["s", "s2"].map(|end| format!("{position}_{end}"));
+    let effort = format!("{}_{effort}", joint.name);
+    [position, rate, acceleration, effort]
+}
+
 /// Channel of the position of a joint.
 pub(crate) fn position(joint: &Joint) -> String {
     format!("{}_{}", joint.name, joint_unit(joint))

@@ -5,6 +5,7 @@ mod truth;
 
 use crate::bind::mountings;
 use crate::case::{Case, Format, SIMULATED, Scenario, read_case};
+use crate::channel_names::joint_channels;
 use crate::error::{Error, no_motion};
 use crate::progress::step;
 use crate::written::{check_outputs, result_json};
@@ -15,7 +16,6 @@ use poinsot_model::{Joint, Model, Nuisance, SensorKind, read_model};
 use poinsot_spatial::InertialParameters;
 use poinsot_telemetry::{GROUP, Mounting, Table, mount, write_pieces};
 use record::Recorder;
-pub(crate) use record::joint_channels;
 use std::path::{Path, PathBuf};
 pub(crate) use truth::{mass as true_mass, scalar_errors};
 

@@ -3,10 +3,10 @@
 use super::attitude_start::{base_directions, differentiated, from_directions};
 use super::driven_wheels::{DrivenWheels, speed_column, torque_column};
 use super::sensors::{BaseSensors, REFERENCE, is_locked};
-use crate::channel_names::{XYZ, of_parts, position};
+use crate::channel_names::{XYZ, joint_channels, of_parts};
 use crate::error::{Error, missing};
 use poinsot_dynamics::Tree;
-use poinsot_model::{Axes, Joint, Model, SensorKind};
+use poinsot_model::{Axes, Model, SensorKind};
 use poinsot_spatial::{Matrix3, Vector3};
 use poinsot_telemetry::{Channel, ChannelName, Mounting, Table, classify, suggestions};
 use std::borrow::Cow;
@@ -166,7 +166,7 @@ impl<'a> Channels<'a> {
     /// The columns of a joint, by its index in the model.
     fn joint(&self, at: usize) -> JointColumns<'a> {
         let joint = &self.model.joints[at];
-        let [position_name, rate_name] = joint_columns(joint);
+        let [position_name, rate_name, ..] = joint_channels(joint);
         let position = self.find(&position_name);
         JointColumns {
             at,
@@ -251,13 +251,6 @@ pub fn wanted_channels(model: &Model) -> BTreeSet<String> {
     }
     wanted.extend(of_parts(model));
     wanted
-}
-
-/// Columns of a joint's position and rate.
-pub(super) fn joint_columns(joint: &Joint) -> [String; 2] {
-    let position = position(joint);
-    let rate = format!("{position}_s");
-    [position, rate]
 }
 
 /// Spin inertia of each wheel that has a known one, kg m2, over which a momentum is its speed.

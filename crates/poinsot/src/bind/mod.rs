@@ -21,8 +21,9 @@ pub(crate) use cut::cut_at;
 pub use motion::acceleration_channels;
 pub(crate) use {noise::scalar, sensors::covariance};
 
+use crate::channel_names::position;
 use crate::error::Error;
-use channels::{Channels, joint_columns};
+use channels::Channels;
 use driven_wheels::DrivenWheels;
 use noise::declared_noise;
 use poinsot_dynamics::Tree;
@@ -69,15 +70,10 @@ impl Bound {
 /// The model without the springs of joints that a column measures, where there are any.
 fn without_springs(model: &Model, tables: &[Table], told: &mut Vec<String>) -> Option<Model> {
     let mut own = None;
-    for (k, joint) in model
-        .joints
-        .iter()
-        .enumerate()
-        .filter(|(_, j)| j.is_passive())
-    {
-        let [position, _] = joint_columns(joint);
-        let mut channels = tables.iter().flat_map(|t| &t.channels);
-        if channels.any(|c| c.name == position) {
+    let joints = model.joints.iter().enumerate();
+    for (k, joint) in joints.filter(|(_, j)| j.is_passive()) {
+        let position = position(joint);
+        if tables.iter().any(|t| t.channel(&position).is_some()) {
             let joint = &mut own.get_or_insert_with(|| model.clone()).joints[k];
             joint.spring_damper = None;
             joint.spring_unknown.clear();

@@ -1,7 +1,7 @@
 //! Declared noise of the sensors, and the fraction of it observed in the data.
 
-use super::channels::joint_columns;
 use super::sensors::{BaseSensors, covariance, scalar_sensor};
+use crate::channel_names::joint_channels;
 use crate::error::{Error, no_noise};
 use poinsot_dynamics::Tree;
 use poinsot_identify::Noise;
@@ -74,7 +74,7 @@ pub(super) fn declared_noise(
     let rates = model.moving_joints().zip(&noise.joint_rate);
     let rates = rates.filter(|(_, variance)| **variance > 0.0);
     let rates = rates.flat_map(|(joint, variance)| {
-        let [_, rate] = joint_columns(joint);
+        let [_, rate, ..] = joint_channels(joint);
         let read = tables.iter().filter_map(move |t| t.channel(&rate));
         read.map(|channel| (channel, *variance))
     });
@@ -128,7 +128,7 @@ fn velocity<'t>(
 /// differences.
 fn silence_given(model: &Model, tables: &[Table], noise: &mut Noise) {
     for (k, joint) in model.moving_joints().enumerate() {
-        let [position, rate] = joint_columns(joint);
+        let [position, rate, ..] = joint_channels(joint);
         let channels = |name: &str| tables.iter().filter_map(|t| t.channel(name)).next();
         match (channels(&position), channels(&rate)) {
             (None, _) => {

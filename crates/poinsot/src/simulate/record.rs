@@ -2,12 +2,12 @@
 
 use super::stream;
 use crate::case::Scenario;
-use crate::channel_names::{XYZ, names, of_all, position, wheel_torques, wheels};
+use crate::channel_names::{XYZ, joint_channels, names, of_all, wheel_torques, wheels};
 use poinsot_dynamics::{
     Instrument, JointDrive, MotionSample, SAME_TIME, Tree, WheelDrive, WheelMotion, thrust_held,
     vector_reading,
 };
-use poinsot_model::{Joint, Model, SensorKind};
+use poinsot_model::{Model, SensorKind};
 use poinsot_spatial::Vector3;
 use poinsot_telemetry::{Channel, Table, classify};
 use std::collections::{HashMap, HashSet};
@@ -267,15 +267,6 @@ fn channel(name: String, sensor: String, time_s: Arc<[f64]>, values: Vec<f64>) -
         time_s,
         values,
     }
-}
-
-/// Position, rate, acceleration and effort of a joint.
-pub(crate) fn joint_channels(joint: &Joint) -> [String; 4] {
-    let effort = if joint.slides() { "N" } else { "Nm" };
-    let position = position(joint);
-    let [rate, acceleration] = ["s", "s2"].map(|end| format!("{position}_{end}"));
-    let effort = format!("{}_{effort}", joint.name);
-    [position, rate, acceleration, effort]
 }
 
 /// Joint coordinates with a motor, and their channels; none if all motion is prescribed, because motor torque is then
