@@ -112,8 +112,7 @@ const FAST: [Change; 3] = [
 /// is declared; no gyro follows a turn of a radian between samples. Tested before the fit, which would take minutes.
 pub(crate) fn of_fast_record(model: &Model, tables: &[Table]) -> Option<Finding> {
     let turn = turn_per_reading(tables);
-    let mut channels = tables.iter().flat_map(|t| &t.channels);
-    if turn < FAR || channels.any(|c| c.name == "q_w") {
+    if turn < FAR || tables.iter().any(|t| t.channel("q_w").is_some()) {
         return None;
     }
     let put_right = |change: Change| {

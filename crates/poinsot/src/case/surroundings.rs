@@ -54,8 +54,8 @@ impl Planner<'_> {
     ) -> Replaced {
         let mut replaced = Replaced::default();
         for (i, table) in file.joint_motion.iter().enumerate() {
-            let joint = self.model.joint(&table.joint);
-            let own = self.tree.coordinates.iter().position(|k| Some(*k) == joint);
+            let mut moving = self.model.moving_joints();
+            let own = moving.position(|joint| joint.name == table.joint);
             let found = joints.iter_mut().find(|m| Some(m.index) == own);
             let key = format!("joint_motion[{i}]");
             if let Some(moved) = found

@@ -3,10 +3,9 @@
 use super::Mover;
 use super::compared::{Compared, Group};
 use crate::case::{COMPARED, Case, Scenario};
-use crate::channel_names::{joint_unit, names};
+use crate::channel_names::{joint_unit, names, position};
 use crate::error::Error;
 use crate::simulate::perfect_table;
-use poinsot_dynamics::Tree;
 use poinsot_files::Place;
 use poinsot_model::{Model, SensorKind};
 use poinsot_spatial::UnitQuaternion;
@@ -77,11 +76,9 @@ pub(super) fn compare_paths(model: &Model, own: &Table, against: &Table) -> Vec<
     ] {
         groups.push(group(name.to_owned(), unit, names(model, kind, &[])));
     }
-    for k in Tree::new(model).coordinates {
-        let joint = &model.joints[k];
-        let unit = joint_unit(joint);
-        let channels = names(model, SensorKind::JointPosition, &[k]);
-        groups.push(group(format!("joint {}", joint.name), unit, channels));
+    for joint in model.moving_joints() {
+        let (name, channels) = (format!("joint {}", joint.name), vec![position(joint)]);
+        groups.push(group(name, joint_unit(joint), channels));
     }
     let compared = groups
         .iter()
