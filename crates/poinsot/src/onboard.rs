@@ -138,7 +138,9 @@ impl OnBoard {
     /// Each unknown number of an answer: mass, mass centre, central inertia. Their wanted intervals are `accuracy` of the
     /// natural units `m`, `L` and `m L^2` of the body with the radius of gyration `L`.
     pub fn numbers(&self, model: &Model, answer: &Answer, accuracy: f64) -> Vec<FollowedNumber> {
-        let Some((body, of)) = model.bodies.get(self.body).zip(central(answer)) else {
+        let values = answer.numbers.map(|n| n.value);
+        let of = InertialParameters::from_array(&values).mass_properties();
+        let Some((body, of)) = model.bodies.get(self.body).zip(of) else {
             return Vec::new();
         };
         let (at, addresses, units) = (of.to_array(), names(&body.name), of.natural_units());
@@ -326,12 +328,6 @@ fn noise(model: &Model) -> Result<Noise, Error> {
         // The white torque of the same power at low frequencies.
         torque_walk: random.map_or(0.0, |r| r.sigma_N_m * (2.0 * r.correlation_s).sqrt()),
     })
-}
-
-/// Mass properties of the unknown body.
-fn central(answer: &Answer) -> Option<MassProperties> {
-    let values = answer.numbers.map(|n| n.value);
-    InertialParameters::from_array(&values).mass_properties()
 }
 
 /// Slopes of the ten parameters about the origin over mass, mass centre and central inertia.
