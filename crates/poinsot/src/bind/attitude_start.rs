@@ -168,10 +168,7 @@ pub(super) fn attitudes(
     directions: &[Direction],
 ) -> Attitudes {
     let mut Q = integrate_rate(times, rate);
-    let first = Q
-        .iter()
-        .position(Option::is_some)
-        .and_then(|k| times.get(k));
+    let first = Q.iter().zip(times).find_map(|(q, t)| q.map(|_| t));
     let (Some(first), Some(last)) = (first, times.last()) else {
         return Q;
     };

@@ -35,10 +35,8 @@ pub(super) fn pieces<'a>(
     }
     let starts = std::iter::once(f64::NEG_INFINITY).chain(gaps.iter().map(|g| g.1));
     let ends = gaps.iter().map(|g| g.0).chain([f64::INFINITY]);
-    let pieces = starts
-        .zip(ends)
-        .map(|(from, to)| piece(channels.table, from, to));
-    (pieces.map(Cow::Owned).collect(), gaps)
+    let between = |(from, to)| Cow::Owned(piece(channels.table, from, to));
+    (starts.zip(ends).map(between).collect(), gaps)
 }
 
 /// Gaps of a channel: the times of the samples before and after.

@@ -117,12 +117,7 @@ impl FreeFall {
     /// Chooses the initial position and velocity of the origin that minimise the relative position on one axis.
     fn start(&mut self, k: usize, times: &[f64]) {
         let n = times.len() as f64;
-        let rest: Vec<f64> = self.position[k]
-            .values
-            .iter()
-            .zip(&self.origin[k].values)
-            .map(|(r, g)| r - g)
-            .collect();
+        let rest = self.rest(k);
         let mean = |x: &[f64]| x.iter().sum::<f64>() / n;
         let (middle, level) = (mean(times), mean(&rest));
         let spread: f64 = times.iter().map(|t| (t - middle).powi(2)).sum();
@@ -132,6 +127,12 @@ impl FreeFall {
         let moved = self.origin[k].values.iter_mut().zip(times);
         moved.for_each(|(g, t)| *g += level + slope * (t - middle));
         self.velocity[k].values.iter_mut().for_each(|v| *v += slope);
+    }
+
+    /// The relative position on one axis.
+    fn rest(&self, k: usize) -> Vec<f64> {
+        let pairs = self.position[k].values.iter().zip(&self.origin[k].values);
+        pairs.map(|(r, g)| r - g).collect()
     }
 
     fn words(&self) -> String {
@@ -160,10 +161,9 @@ impl FreeFall {
             }
         }
         for (k, axis) in XYZ.iter().enumerate() {
-            let values = self.position[k].values.iter().zip(&self.origin[k].values);
             let rest = Channel {
                 name: format!("r_{axis}"),
-                values: values.map(|(r, g)| r - g).collect(),
+                values: self.rest(k),
                 ..self.position[k].clone()
             };
             match table.channels.iter_mut().find(|c| c.name == rest.name) {

@@ -104,14 +104,11 @@ fn smooth_wheels(wheels: &[Option<WheelSpeed>], grid: &[f64]) -> Vec<f64> {
     if read.all(|w| own_values(w.tachometer, grid).iter().all(Option::is_some)) {
         return Vec::new();
     }
-    let column = |w: &Option<WheelSpeed>| {
-        let Some(w) = w else {
-            return vec![Some(0.0); grid.len()];
-        };
-        let c = w.tachometer;
-        match w.driven {
-            true => speed_at(&w.speed, c, grid),
-            false => resample_hermite(c, &differentiate(c, HALF_WIDTH), grid),
+    let column = |w: &Option<WheelSpeed>| match w {
+        None => vec![Some(0.0); grid.len()],
+        Some(w) if w.driven => speed_at(&w.speed, w.tachometer, grid),
+        Some(WheelSpeed { tachometer: c, .. }) => {
+            resample_hermite(c, &differentiate(c, HALF_WIDTH), grid)
         }
     };
     let columns: Vec<Vec<Option<f64>>> = wheels.iter().map(column).collect();
