@@ -9,7 +9,7 @@ mod sensor_rows;
 
 use carried_columns::CarriedColumns;
 pub(crate) use carried_columns::{KnownColumns, PredictionSlopes};
-pub(crate) use initial_state::{InitialState, InitialStateColumns, MeasuredMotion};
+pub(crate) use initial_state::{InitialState, InitialStateColumns};
 
 use crate::motion::input_curves::InputCurves;
 use crate::motion::input_noise::{FilterSetting, InputNoise};

@@ -4,7 +4,6 @@
 use super::types::FaultKind;
 use crate::fit::Fitted;
 use crate::fit::experiment::{Experiment, Iterate, MovedVehicle, twin};
-use crate::likelihood::MeasuredMotion;
 use crate::problem::Problem;
 use crate::problem::parameters::{Entry, Unknown, UnknownKind, axis_name};
 use crate::problem::segment::{InputErrors, InputRate};
@@ -194,7 +193,6 @@ fn of_registry(experiment: &Experiment) -> Vec<Candidate> {
 
 /// Whether the telemetry can show a number of the registry that is an error.
 fn shows(experiment: &Experiment, read: &[(usize, String)], kind: &UnknownKind) -> bool {
-    let rotation = experiment.measured_motion == MeasuredMotion::Rotation;
     match kind {
         UnknownKind::Sensor { sensor, error } => is_no_frame(experiment, read, *sensor, error),
         UnknownKind::JointOffset(k) if is_held(experiment.problem, *k) => true,
@@ -207,7 +205,7 @@ fn shows(experiment: &Experiment, read: &[(usize, String)], kind: &UnknownKind) 
             moves(experiment.problem, *k) && rates.any(|rate| rate == InputRate::Measured)
         }
         UnknownKind::ThrusterLag(_) => experiment.problem.fires(),
-        UnknownKind::InertialForce(_) | UnknownKind::Tide(_) => !rotation,
+        UnknownKind::InertialForce(_) | UnknownKind::Tide(_) => experiment.sees_translation,
         _ => true,
     }
 }
@@ -334,8 +332,8 @@ fn is_no_frame(
     let kind = |sensor: usize| experiment.problem.model.sensors[sensor].kind;
     let own = kind(sensor);
     let translates = matches!(own, SensorKind::Position | SensorKind::Velocity);
-    let rotation = experiment.measured_motion == MeasuredMotion::Rotation;
-    if !read.iter().any(|r| r.0 == sensor) || rotation && translates {
+    let unseen = translates && !experiment.sees_translation;
+    if !read.iter().any(|r| r.0 == sensor) || unseen {
         return false;
     }
     let framed = translates || own == SensorKind::Attitude;

@@ -13,7 +13,7 @@ pub(crate) use known_columns::{
 
 use crate::fit::triangle::{SharedTriangle, longest_column};
 use crate::likelihood::{
-    Evaluated, InitialState, InitialStateColumns, KnownColumns, MeasuredMotion, Setting, evaluate,
+    Evaluated, InitialState, InitialStateColumns, KnownColumns, Setting, evaluate,
 };
 use crate::motion::input_curves::InputCurves;
 use crate::motion::{Fineness, Grid, Vehicle};
@@ -45,7 +45,8 @@ pub(crate) struct Experiment<'a> {
     pub nominal_spin: Vec<f64>,
     pub thrusters: Vec<Thruster>,
     pub unknown: Vec<InitialStateColumns>,
-    pub measured_motion: MeasuredMotion,
+    /// Whether position or velocity is measured, not attitude and rates alone.
+    pub sees_translation: bool,
     pub settings: Settings,
     /// What is assumed of the inputs between their samples.
     pub wheels: BetweenSamples,
@@ -85,11 +86,7 @@ pub(crate) struct Iterate {
 
 impl<'a> Experiment<'a> {
     pub fn new(problem: &'a Problem<'a>, parameters: &'a Parameters) -> Self {
-        let measured_motion = if problem.sees_translation() {
-            MeasuredMotion::Translation
-        } else {
-            MeasuredMotion::Rotation
-        };
+        let sees_translation = problem.sees_translation();
         Self {
             problem,
             parameters,
@@ -98,9 +95,9 @@ impl<'a> Experiment<'a> {
             unknown: problem
                 .segments
                 .iter()
-                .map(|s| InitialStateColumns::of(s, problem, measured_motion))
+                .map(|s| InitialStateColumns::of(s, problem, sees_translation))
                 .collect(),
-            measured_motion,
+            sees_translation,
             settings: Settings::default(),
             wheels: BetweenSamples::default(),
             fineness: Fineness::default(),
@@ -431,10 +428,8 @@ impl<'a> Experiment<'a> {
         let bodies = self.parameters.bodies(x);
         let mut kinematics = s.first_placement(tree);
         let R = s.R_NB.first().copied().unwrap_or_default();
-        let v = match (&s.translation, self.measured_motion) {
-            (Some(t), MeasuredMotion::Translation) => {
-                R.inverse() * t.v_NBo_N.first().copied().unwrap_or_default()
-            }
+        let v = match (&s.translation, self.sees_translation) {
+            (Some(t), true) => R.inverse() * t.v_NBo_N.first().copied().unwrap_or_default(),
             _ => Vector3::zeros(),
         };
         let zeros = vec![0.0; dof];
@@ -451,10 +446,10 @@ impl<'a> Experiment<'a> {
             MomentumKnowledge::Known(k) => k,
             MomentumKnowledge::Estimate => value,
         };
-        let linear = match self.measured_motion {
-            MeasuredMotion::Translation => pick(given.linear, R * l),
+        let linear = match self.sees_translation {
+            true => pick(given.linear, R * l),
             // Without a translation sensor N may move with the mass centre.
-            MeasuredMotion::Rotation => Vector3::zeros(),
+            false => Vector3::zeros(),
         };
         let rigid = PoseMomentum {
             R_NB: R,

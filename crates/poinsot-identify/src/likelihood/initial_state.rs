@@ -22,10 +22,9 @@ pub(crate) struct InitialStateColumns {
 impl InitialStateColumns {
     /// Unknown initial state of a segment: an unmeasured pose is the choice of the frame.
     ///
-    /// One that is taken as exact is known, at its first sample.
-    pub fn of(segment: &Segment, problem: &Problem, measured_motion: MeasuredMotion) -> Self {
+    /// One that is taken as exact is known, at its first sample. `seen` is whether translation is measured.
+    pub fn of(segment: &Segment, problem: &Problem, seen: bool) -> Self {
         let (o, momentum) = (&segment.observations, &problem.model.momentum);
-        let seen = measured_motion == MeasuredMotion::Translation;
         let noisy = |kind| !o.of_kind(kind).any(SensorRecord::is_exact);
         Self {
             // Without an attitude sensor, directions or motion in N still determine the attitude in N.
@@ -70,13 +69,4 @@ impl InitialStateColumns {
             .then_some(before + 3 * usize::from(self.linear));
         (linear, angular)
     }
-}
-
-/// The kind of motion that is measured.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum MeasuredMotion {
-    /// Position or velocity.
-    Translation,
-    /// Attitude and rates only.
-    Rotation,
 }

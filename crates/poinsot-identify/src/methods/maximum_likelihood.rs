@@ -18,9 +18,7 @@ use crate::fit::profile::profiled;
 use crate::fit::step_error::StepError;
 use crate::fit::triangle::conditional_estimate;
 use crate::fit::{Fitted, Search, fit};
-use crate::likelihood::{
-    ChannelResidual, Evaluated, InitialState, InitialStateColumns, MeasuredMotion,
-};
+use crate::likelihood::{ChannelResidual, Evaluated, InitialState, InitialStateColumns};
 use crate::methods::linear::solve_linear;
 use crate::methods::other_minima::least;
 use crate::motion::input_curves::extrapolated_inputs;
@@ -445,7 +443,7 @@ fn followed(experiment: &Experiment, fitted: &Fitted) -> Option<String> {
 fn starts(experiment: &Experiment, fitted: &Fitted) -> Vec<StartOfSegment> {
     let given = &experiment.problem.model.momentum;
     let x = &fitted.at.x;
-    let translation = experiment.measured_motion == MeasuredMotion::Translation;
+    let translation = experiment.sees_translation;
     let segments = fitted.evaluated.iter().zip(&fitted.at.initial_states);
     let start = |((one, at), unknown): ((&Evaluated, &InitialState), &InitialStateColumns)| {
         let triangle = one.triangle.as_ref();

@@ -3,7 +3,7 @@
 use super::{Action, Change, Effort, GIVEN, Row};
 use crate::fit::experiment::Experiment;
 use crate::fit::triangle::SharedTriangle;
-use crate::likelihood::{InitialState, MeasuredMotion};
+use crate::likelihood::InitialState;
 use crate::problem::Problem;
 use crate::problem::alternative::BetweenSamples;
 use crate::problem::parameters::{Equations, Parameters, UnknownKind, axis_name, tensor_name};
@@ -25,9 +25,8 @@ pub(super) struct Baseline<'a> {
     rows: Vec<Row>,
     coordinates: Coordinates,
     pub initial_state: InitialState,
-    pub measured_motion: MeasuredMotion,
+    pub sees_translation: bool,
     pub wheels: BetweenSamples,
-    pub spin: Vec<f64>,
 }
 
 impl<'a> Baseline<'a> {
@@ -59,8 +58,7 @@ impl<'a> Baseline<'a> {
         let rows = known_rows(solution, &parameters, &x);
         Some(Self {
             rows: rows.iter().map(|row| coordinates.of_row(row)).collect(),
-            spin: experiment.nominal_spin.clone(),
-            measured_motion: experiment.measured_motion,
+            sees_translation: experiment.sees_translation,
             wheels: likelihood.wheels,
             problem,
             parameters,

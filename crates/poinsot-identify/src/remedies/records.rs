@@ -3,10 +3,9 @@
 use super::baseline::Baseline;
 use super::{Action, Change, Effort, Row};
 use crate::fit::part_of_record::at_times;
-use crate::likelihood::{InitialState, InitialStateColumns, MeasuredMotion, Setting, evaluate};
+use crate::likelihood::{InitialState, InitialStateColumns, Setting, evaluate};
 use crate::motion::Fineness;
 use crate::motion::input_curves::InputCurves;
-use crate::problem::Problem;
 use crate::problem::loss::Loss;
 use crate::problem::parameters::axis_name;
 use crate::problem::segment::{Firing, Noise, Observations, Segment, SensorRecord, SensorValue};
@@ -37,12 +36,11 @@ impl Baseline<'_> {
     pub fn records(&self) -> Option<Vec<Change>> {
         use Effort::{Equipment, Manoeuvre};
         let from = self.problem.segments.first()?;
-        let (base, share) = thinned(from, self.measured_motion, self.problem.noise)?;
+        let (base, share) = thinned(from, self.sees_translation, self.problem.noise)?;
         let trial = Trial {
             segment: base,
-            noise: self.problem.noise.clone(),
             initial_state: self.initial_state,
-            measured_motion: self.measured_motion,
+            sees_translation: self.sees_translation,
             known_momentum: false,
             thrusters: self.problem.model.thrusters.clone(),
         };
@@ -128,9 +126,9 @@ impl Baseline<'_> {
     /// A velocity sensor or an accelerometer on the base.
     fn sensors(&self, trial: &Trial, share: f64, add: &mut impl FnMut(String, &Trial)) {
         let samples = trial.segment.observations.time_s.len();
-        if self.measured_motion == MeasuredMotion::Rotation {
+        if !self.sees_translation {
             let mut with = trial.clone();
-            with.measured_motion = MeasuredMotion::Translation;
+            with.sees_translation = true;
             let o = &mut with.segment.observations;
             let sigma = VELOCITY * share.sqrt();
             o.sensors.push(tried(SensorKind::Velocity, samples, sigma));
@@ -203,13 +201,12 @@ impl Baseline<'_> {
 
     /// Information of a record over the shared unknowns, its own start projected out.
     fn rows_of(&self, trial: &Trial) -> Option<Vec<Row>> {
-        let seen = trial.measured_motion == MeasuredMotion::Translation;
         let o = &trial.segment.observations;
         let unknown = InitialStateColumns {
             attitude: o.reads(SensorKind::Attitude)
                 && !o.of_kind(SensorKind::Attitude).any(SensorRecord::is_exact),
             position: false,
-            linear: seen,
+            linear: trial.sees_translation,
             angular: !trial.known_momentum,
             internal: self.problem.internal_states(),
         };
@@ -219,17 +216,14 @@ impl Baseline<'_> {
         let index = self.problem.segments.len();
         let mut curves = vec![InputCurves::default(); index];
         if late {
-            curves.push(InputCurves::new(o, &trial.noise));
+            curves.push(InputCurves::new(o, self.problem.noise));
         }
         let setting = Setting {
             known: None,
-            problem: Problem {
-                noise: &trial.noise,
-                ..*self.problem
-            },
+            problem: *self.problem,
             thrusters: &trial.thrusters,
             parameters: &self.parameters,
-            nominal_spin: &self.spin,
+            nominal_spin: &self.problem.model.spin_inertias(),
             loss: Loss::Gaussian,
             wheels: self.wheels,
             curves: &curves,
@@ -260,9 +254,8 @@ impl Baseline<'_> {
 #[derive(Clone)]
 struct Trial {
     segment: Segment,
-    noise: Noise,
     initial_state: InitialState,
-    measured_motion: MeasuredMotion,
+    sees_translation: bool,
     known_momentum: bool,
     thrusters: Vec<Thruster>,
 }
@@ -305,12 +298,8 @@ fn any_value(kind: SensorKind) -> SensorValue {
 }
 
 /// A segment at a few times of the gyro, every sensor of rate, attitude and velocity at each, and how many these are of
-/// those at hand.
-fn thinned(
-    segment: &Segment,
-    measured_motion: MeasuredMotion,
-    noise: &Noise,
-) -> Option<(Segment, f64)> {
+/// those at hand; `moving`: its velocity is measured, too.
+fn thinned(segment: &Segment, moving: bool, noise: &Noise) -> Option<(Segment, f64)> {
     let o = &segment.observations;
     let first = o.time_s.first()?;
     let times = o.rates().map(|(k, _)| k);
@@ -322,7 +311,6 @@ fn thinned(
     }
     let samples = picked.len();
     let share = samples as f64 / all.len() as f64;
-    let moving = measured_motion == MeasuredMotion::Translation;
     let mut sensors: Vec<SensorRecord> = Vec::new();
     for record in o.sensors.iter().filter(|r| !r.samples.is_empty()) {
         let kept = match record.kind {

@@ -6,7 +6,7 @@ use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::known_numbers::Effects;
 use crate::fit::step::BoundaryBodies;
 use crate::fit::triangle::{ConditionalEstimate, SharedTriangle};
-use crate::likelihood::{InitialState, MeasuredMotion};
+use crate::likelihood::InitialState;
 use crate::problem::alternative::BetweenSamples;
 use crate::problem::parameters::Parameters;
 use crate::problem::prior::{Conflict, PriorTest};
@@ -164,9 +164,9 @@ impl Solution {
         let segments = experiment.problem.segments.iter().zip(&self.starts);
         let initial_states = segments.map(|(segment, start)| {
             let mut at: InitialState = experiment.measured_initial_state(segment, &self.x);
-            at.P = match experiment.measured_motion {
-                MeasuredMotion::Translation => start.linear.value,
-                MeasuredMotion::Rotation => Vector3::zeros(),
+            at.P = match experiment.sees_translation {
+                true => start.linear.value,
+                false => Vector3::zeros(),
             };
             at.h_SScm_N = start.angular.value;
             at
