@@ -186,7 +186,7 @@ impl Body {
         if unknowns.is_empty() {
             return None;
         }
-        if has_inertia(parameters, index) {
+        if parameters.estimate[index].inertia {
             let thicker = thickening(&parameters.nominal_properties[index])?;
             for u in &unknowns {
                 if is_moment(&parameters.unknowns[*u].kind) {
@@ -250,7 +250,7 @@ impl Body {
 /// The matrix that is positive definite while a body is physical: the pseudo-inertia, or of it the part that can
 /// change. Straight in the unknowns.
 fn matrix(parameters: &Parameters, index: usize, x: &[f64]) -> Matrix4<f64> {
-    match (parameters.equations, has_inertia(parameters, index)) {
+    match (parameters.equations, parameters.estimate[index].inertia) {
         (Equations::Momentum, true) => pseudo_inertia(&parameters.bodies(x)[index]),
         (Equations::Momentum, false) => {
             let mass = parameters.bodies(x)[index].mass;
@@ -273,10 +273,6 @@ fn matrix(parameters: &Parameters, index: usize, x: &[f64]) -> Matrix4<f64> {
             J
         }
     }
-}
-
-fn has_inertia(parameters: &Parameters, index: usize) -> bool {
-    parameters.estimate[index].inertia
 }
 
 fn second_moment(I: &Matrix3) -> Matrix3 {

@@ -38,7 +38,40 @@ pub(crate) fn fit_on(
     here: Linearised<Linearisation>,
     limit: usize,
 ) -> Option<Fitted> {
-    fitted(experiment, levenberg_marquardt(experiment, at, here, limit)).ok()
+    let minimum = levenberg_marquardt(experiment, at, here, limit);
+    let settled = is_settled(&minimum);
+    let (at, here, end) = (minimum.at, minimum.here, minimum.end);
+    let linearisation = here.rows;
+    let alone = || {
+        let stacked = experiment.stack(&at, &linearisation.evaluated, false);
+        let own = SharedTriangle::new(experiment.parameters, &stacked);
+        let both = experiment.spectra(&stacked, &own, &linearisation.evaluated);
+        both.map(|(alone, _)| alone)
+    };
+    let data_alone = experiment.has_design_prior().then(alone).transpose().ok()?;
+    let chi2 = (linearisation.evaluated.iter()).map(|e| e.chi2).sum();
+    let rows: usize = linearisation.evaluated.iter().map(|e| e.rows).sum();
+    // What an integration error may change the answer by, in sigmas widened by the misfit; and what a step ignores.
+    let left = experiment.settings.integration.answer_sigmas;
+    let near = left.powi(2) * (here.cost / rows.max(1) as f64).max(1.0) + here.slack;
+    // A step ignores that the covariance moves: where none lowers the cost of a law of the inputs, that is at its minimum.
+    let lowest = end == End::NoLowerCost && experiment.wheels == BetweenSamples::RandomTorque;
+    let limit = if lowest { near.max(NEAR) } else { near };
+    Some(Fitted {
+        explains: experiment.expects(chi2, &linearisation.evaluated),
+        held: held(experiment, &at, &linearisation),
+        at,
+        evaluated: linearisation.evaluated,
+        shared: linearisation.shared,
+        spectrum: linearisation.spectrum,
+        data_alone,
+        iterations: minimum.iterations,
+        costs: minimum.costs,
+        // Steps end where evaluations differ by more than the steps lower the cost: near the minimum, not at it.
+        converged: end == End::Converged || here.predicted_reduction < limit,
+        settled,
+        search: Search::Whole,
+    })
 }
 
 /// Pose, momentum and biases that fit best at the mass properties of a point, which are held.
@@ -101,51 +134,6 @@ pub(crate) struct Fitted {
     /// How far along the record the minimum was followed.
     pub search: Search,
     pub held: Option<BoundaryBodies>,
-}
-
-fn fitted(
-    experiment: &Experiment,
-    minimum: Minimum<Iterate, Linearisation>,
-) -> Result<Fitted, ProblemError> {
-    let settled = is_settled(&minimum);
-    let Minimum {
-        at,
-        here,
-        iterations,
-        costs,
-        end,
-    } = minimum;
-    let linearisation = here.rows;
-    let alone = || {
-        let stacked = experiment.stack(&at, &linearisation.evaluated, false);
-        let own = SharedTriangle::new(experiment.parameters, &stacked);
-        let both = experiment.spectra(&stacked, &own, &linearisation.evaluated);
-        both.map(|(alone, _)| alone)
-    };
-    let data_alone = experiment.has_design_prior().then(alone).transpose()?;
-    let chi2 = (linearisation.evaluated.iter()).map(|e| e.chi2).sum();
-    let rows: usize = linearisation.evaluated.iter().map(|e| e.rows).sum();
-    // What an integration error may change the answer by, in sigmas widened by the misfit; and what a step ignores.
-    let left = experiment.settings.integration.answer_sigmas;
-    let near = left.powi(2) * (here.cost / rows.max(1) as f64).max(1.0) + here.slack;
-    // A step ignores that the covariance moves: where none lowers the cost of a law of the inputs, that is at its minimum.
-    let lowest = end == End::NoLowerCost && experiment.wheels == BetweenSamples::RandomTorque;
-    let limit = if lowest { near.max(NEAR) } else { near };
-    Ok(Fitted {
-        explains: experiment.expects(chi2, &linearisation.evaluated),
-        held: held(experiment, &at, &linearisation),
-        at,
-        evaluated: linearisation.evaluated,
-        shared: linearisation.shared,
-        spectrum: linearisation.spectrum,
-        data_alone,
-        iterations,
-        costs,
-        // Steps end where evaluations differ by more than the steps lower the cost: near the minimum, not at it.
-        converged: end == End::Converged || here.predicted_reduction < limit,
-        settled,
-        search: Search::Whole,
-    })
 }
 
 impl Fitted {

@@ -224,7 +224,7 @@ impl Experiment<'_> {
     ) -> Option<Step<Iterate>> {
         let plain = &linearisation.shared;
         let longest = self.longest_column(&linearisation.evaluated);
-        let lengths = plain.nuisance_lengths();
+        let lengths = triangle::lengths(&plain.r, plain.nuisances);
         let most = lengths.iter().fold(longest, |a, b| a.max(*b));
         let reference = if longest > 0.0 { longest } else { most };
         if damping <= 0.0 || !damping.is_finite() || reference <= 0.0 || !most.is_finite() {
@@ -252,7 +252,7 @@ impl Experiment<'_> {
         let held: Vec<Evaluated> = pairs.map(start).collect();
         let mut shared = SharedTriangle::new(self.parameters, &self.stack(at, &held, true));
         shared.held.clone_from(&plain.held);
-        let shared = shared.damped(&units(lengths), damping);
+        shared.r = damped(&shared.r, &units(lengths), damping);
         let spectrum = Spectrum::within(&shared.block(), None, &linearisation.spectrum).ok()?;
         let (step, _) = mass_step(&at.x, linearisation, (&spectrum, &shared.rhs()), damping);
         let natural = &spectrum.natural;
@@ -266,9 +266,11 @@ impl Experiment<'_> {
         let plain_ones = self.triangles(&linearisation.evaluated);
         let both = plain_ones.zip(self.triangles(&held));
         let of_starts: f64 = both.map(of_start).sum();
+        let of_shared = nuisances.iter().chain(&mass);
+        let of_shared = lowered(&plain.r, plain.nuisances + plain.mass, of_shared);
         Some(Step {
             to: moved(self, at, (&held, &shared, natural), &step),
-            predicted_reduction: of_starts + plain.lowered(&nuisances, &mass),
+            predicted_reduction: of_starts + of_shared,
             acceleration_ratio: 0.0,
         })
     }

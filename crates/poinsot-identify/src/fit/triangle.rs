@@ -78,26 +78,6 @@ impl SharedTriangle {
         Self::of_columns(parameters, stacked, kept, &[])
     }
 
-    /// The same with a damping of the nuisances, in units of which are given.
-    pub fn damped(&self, units: &[f64], damping: f64) -> Self {
-        Self {
-            r: damped(&self.r, units, damping),
-            held: self.held.clone(),
-            ..*self
-        }
-    }
-
-    /// Length of the column of each nuisance.
-    pub fn nuisance_lengths(&self) -> Vec<f64> {
-        lengths(&self.r, self.nuisances)
-    }
-
-    /// How much a step of nuisances and mass properties lowers the square of the right-hand side.
-    pub fn lowered(&self, nuisances: &[f64], mass: &[f64]) -> f64 {
-        let step = nuisances.iter().chain(mass);
-        lowered(&self.r, self.nuisances + self.mass, step)
-    }
-
     /// Triangle of the mass properties.
     pub fn block(&self) -> Mat<f64> {
         let b = self.nuisances;
@@ -234,7 +214,8 @@ mod tests {
         };
         let shared = SharedTriangle::of(Mat::from_fn(n + 1, n + 1, element), nuisances, mass);
         let (damping, units, natural) = (0.7, [0.5, 2.0, 0.1], [1.0, 3.0, 0.2, 1.5]);
-        let held = shared.damped(&units, damping);
+        let mut held = shared.clone();
+        held.r = damped(&shared.r, &units, damping);
         let open = Spectrum::new(&shared.block(), &natural, None, 1.0, 1.0e9).unwrap();
         let spectrum = Spectrum::within(&held.block(), None, &open).unwrap();
         let scaled = spectrum.damped(&held.rhs(), damping);
@@ -268,6 +249,7 @@ mod tests {
         let fewer = shared.lowered_by_nuisances() - holding.lowered_by_nuisances();
         assert!((fewer - middle).abs() < 1.0e-12);
         let left = (&d - A * whole).norm_squared();
-        assert!((shared.lowered(&b, &x) - d.norm_squared() + left).abs() < 1.0e-11);
+        let lower = lowered(&shared.r, n, b.iter().chain(&x));
+        assert!((lower - d.norm_squared() + left).abs() < 1.0e-11);
     }
 }
