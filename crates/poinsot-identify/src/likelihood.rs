@@ -12,10 +12,8 @@ pub(crate) use carried_columns::{KnownColumns, PredictionSlopes};
 pub(crate) use initial_state::{InitialState, InitialStateColumns};
 
 use crate::motion::input_curves::InputCurves;
-use crate::motion::input_noise::{FilterSetting, InputNoise};
-use crate::motion::{
-    Column, Fineness, Grid, Motion, State, Steps, Vehicle, impulse_before, tilted,
-};
+use crate::motion::input_noise::InputNoise;
+use crate::motion::{Column, Fineness, Grid, Motion, State, Vehicle, impulse_before, tilted};
 use crate::problem::Problem;
 use crate::problem::alternative::BetweenSamples;
 use crate::problem::loss::Loss;
@@ -80,10 +78,8 @@ impl Setting<'_> {
         }
         vehicle.wheels_smooth = self.wheels.is_smooth();
         vehicle.curves = self.curves.get(index);
-        vehicle.steps = Steps {
-            grid: self.grids.get(index),
-            fineness: self.fineness,
-        };
+        vehicle.grid = self.grids.get(index);
+        vehicle.fineness = self.fineness;
         vehicle
     }
 }
@@ -209,15 +205,8 @@ fn evaluate_driven(
     let asked = (unknown, with_sensitivities);
     let mut compare = SegmentComparison::new(setting, segment, x, asked, carried);
     let forced = !segment.firings.is_empty() || vehicle.has_environment_torque();
-    compare.inputs = InputNoise::new(FilterSetting {
-        noise: setting.problem.noise,
-        random_torque: setting.problem.model.environment.random_torque,
-        segment,
-        forced,
-        internal: vehicle.modes.len() + vehicle.passive.joints().len(),
-        followed: compare.followed(),
-        records: setting.smooth_inputs,
-    });
+    let (followed, records) = (compare.followed(), setting.smooth_inputs);
+    compare.inputs = InputNoise::new(&setting.problem, segment, forced, followed, records);
     let late: Vec<bool> = compare.cursors.iter().map(|f| f.late).collect();
     compare.ideal = IdealSeries::new(&vehicle, segment, initial_state, &late)?;
     let samples = segment.observations.time_s.len();

@@ -29,7 +29,7 @@ pub(crate) use poinsot_dynamics::propagation::{
     Column, FlexibleMotion as Instant, FlexibleState as State, Matrix6x12, pose_change,
 };
 pub(crate) use point_kinematics::PointKinematics;
-pub(crate) use steps::{Fineness, Grid, Steps};
+pub(crate) use steps::{Fineness, Grid};
 pub(crate) use vehicle::{Running, Vehicle, parabola_slope, slope_weights, tilted};
 
 use crate::problem::parameters::UnknownKind;
@@ -232,7 +232,7 @@ impl<'a> Motion<'a> {
         let o = &segment.observations;
         let thrust = ThrustPlan::new(segment);
         let gyration = gyration(&composite(&vehicle.bodies, &Kinematics::new(tree)));
-        let grid = match vehicle.steps.grid {
+        let grid = match vehicle.grid {
             Some(grid) => Cow::Borrowed(grid.steps.as_slice()),
             None => Cow::Owned(Grid::new(vehicle, o).steps),
         };

@@ -51,12 +51,12 @@ impl Motion<'_> {
             self.evaluate_here((k, 0.0), &now)?;
         }
         let of_grid = self.grid.get(k).copied().unwrap_or(1);
-        let steps = of_grid as usize * self.vehicle.steps.fineness.factor as usize;
+        let steps = of_grid as usize * self.vehicle.fineness.factor as usize;
         if let Some(chord) = self.chord.take() {
             self.spare.chord = chord;
         }
         self.column_chord = None;
-        if self.vehicle.steps.fineness.bends {
+        if self.vehicle.fineness.bends {
             self.find_chord(k, steps)?;
             self.column_chord = self.open_columns();
         }

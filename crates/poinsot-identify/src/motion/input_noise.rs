@@ -34,10 +34,9 @@ mod sparse;
 pub(crate) use points::{approximate, increments};
 
 use crate::motion::{Column, Instant, Matrix6x12, Motion, State, matrix, pose_change};
+use crate::problem::Problem;
 use crate::problem::error_process::ErrorProcess;
-use crate::problem::segment::{
-    InputChannel, InputErrors, Noise, Observations, Segment, SensorRecord,
-};
+use crate::problem::segment::{InputChannel, InputErrors, Observations, Segment, SensorRecord};
 use filter::Filter;
 use nalgebra::{DMatrix, Matrix3 as Square, Vector3 as Errors};
 use poinsot_dynamics::propagation::{FlexibleChange, INTERNAL, ModeRows, STATE};
@@ -145,21 +144,6 @@ struct StepScratch {
     rows: SparseRows,
 }
 
-/// What the filter of a segment depends on.
-pub(crate) struct FilterSetting<'a> {
-    pub noise: &'a Noise,
-    pub random_torque: Option<RandomTorque>,
-    pub segment: &'a Segment,
-    /// Whether external forces or torques act.
-    pub forced: bool,
-    /// Number of modes and passive joints.
-    pub internal: usize,
-    /// Number of sequences that go through the filter: sensitivities and residual.
-    pub followed: usize,
-    /// Whether a backward pass follows.
-    pub records: bool,
-}
-
 /// The filter along one segment.
 #[derive(Default)]
 pub(crate) struct InputNoise {
@@ -226,8 +210,18 @@ fn errors_of(input: Input, variance: f64, channel: &InputChannel) -> Vec<NoisyIn
 
 impl InputNoise {
     /// The filter before the first grid time.
-    pub fn new(of: FilterSetting) -> Self {
-        let (o, noise) = (&of.segment.observations, of.noise);
+    ///
+    /// `forced`: whether external forces or torques act; `followed`: number of sequences that go through it, sensitivities and
+    /// residual; `records`: whether a backward pass follows.
+    pub fn new(
+        problem: &Problem,
+        segment: &Segment,
+        forced: bool,
+        followed: usize,
+        records: bool,
+    ) -> Self {
+        let (o, noise) = (&segment.observations, problem.noise);
+        let random_torque = problem.model.environment.random_torque;
         let increments = increments(&o.sensors);
         let translation = o.reads_translation() || increments > 0;
         let joints = noise.joint_position.iter().enumerate();
@@ -235,11 +229,11 @@ impl InputNoise {
         let joints = joints.flat_map(|(k, v)| errors_of(Input::Joint(k), *v, o.joint(k)));
         let wheels = wheels.flat_map(|(k, v)| errors_of(Input::Wheel(k), *v, o.wheel(k)));
         let inputs: Vec<NoisyInput> = joints.chain(wheels).collect();
-        let torque = of.random_torque.is_some();
+        let torque = random_torque.is_some();
         let lasting: usize = o.sensors.iter().map(|r| r.slow.len()).sum();
         let still = inputs.is_empty() && !torque;
         let silent = still && lasting == 0;
-        let mut active: Vec<usize> = match (still, translation, of.forced || torque) {
+        let mut active: Vec<usize> = match (still, translation, forced || torque) {
             (true, _, _) => Vec::new(),
             (_, false, false) => (0..3).collect(),
             (_, false, true) => (0..3).chain(9..12).collect(),
@@ -247,7 +241,7 @@ impl InputNoise {
             (_, true, true) => (0..12).collect(),
         };
         if !active.is_empty() {
-            active.extend(STATE..STATE + 2 * of.internal);
+            active.extend(STATE..STATE + 2 * problem.internal_states());
         }
         // The slope of a wheel's speed is that of speeds about it, where it has none of its own.
         let turns = inputs.iter().any(|input| match input.of {
@@ -268,12 +262,12 @@ impl InputNoise {
         let mut columns: Vec<Column> = active.iter().map(|at| Column::ith(*at, 1.0)).collect();
         columns.resize(size, Column::zeros());
         Self {
-            random_torque: of.random_torque,
+            random_torque,
             lead,
             slow,
             reach,
             expected: o.expected_errors.clone(),
-            filter: Filter::new(size, of.followed, of.records),
+            filter: Filter::new(size, followed, records),
             columns,
             twists: vec![Vector6::zeros(); size],
             rate_gain: vec![Vector6::zeros(); noise.joint_rate.len()],

@@ -26,12 +26,3 @@ impl Default for Fineness {
         }
     }
 }
-
-/// Integration steps of a segment.
-#[derive(Clone, Copy, Default)]
-pub(crate) struct Steps<'a> {
-    /// Steps in each interval; `None`: those of the vehicle.
-    pub grid: Option<&'a Grid>,
-    /// Refinement of them.
-    pub fineness: Fineness,
-}

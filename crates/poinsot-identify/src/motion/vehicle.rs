@@ -1,7 +1,7 @@
 //! The vehicle at one value of the unknowns, with its inputs between samples.
 
 use super::joint_scales::{JointScales, joint_scales};
-use super::steps::Steps;
+use super::steps::{Fineness, Grid};
 use super::virtual_joints::{VirtualJoint, virtual_joints};
 use crate::motion::input_curves::InputCurves;
 use crate::problem::parameters::{Parameters, UnknownKind};
@@ -43,8 +43,10 @@ pub(crate) struct Vehicle<'a> {
     pub drag: Vector3,
     /// Whether wheel speeds are smooth between samples, or linear (constant torque).
     pub wheels_smooth: bool,
-    /// Integration steps of its motion.
-    pub steps: Steps<'a>,
+    /// Integration steps in each interval; `None`: those of the vehicle.
+    pub grid: Option<&'a Grid>,
+    /// Refinement of them.
+    pub fineness: Fineness,
     /// Unknowns that change joint and wheel motion.
     pub input_faults: Vec<InputFault>,
     /// Joints with unknown scales, or errors of their rates.
@@ -124,7 +126,8 @@ impl<'a> Vehicle<'a> {
             torque_N,
             drag,
             wheels_smooth: false,
-            steps: Steps::default(),
+            grid: None,
+            fineness: Fineness::default(),
             input_faults: input_faults(parameters, x),
             joint_scales: joint_scales(parameters, x),
             joint_motions,
