@@ -152,8 +152,8 @@ pub(crate) struct Motion<'a> {
     /// Wheel motion in the current interval, if not linear.
     chord: Option<Chord>,
     column_chord: Option<ColumnChord>,
-    /// Radius of gyration, m.
-    gyration: f64,
+    /// Radius of gyration of the vehicle, m.
+    pub gyration: f64,
     observations: &'a Observations,
     firings: &'a [Firing],
     /// Thrust in the interval after each grid time.

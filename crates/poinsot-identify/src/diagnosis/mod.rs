@@ -201,15 +201,13 @@ fn deflections(experiment: &Experiment, fitted: &Fitted) -> Vec<Deflection> {
         let vehicle = setting.vehicle(&tree, (s, segment), x);
         let mut state = fitted.at.initial_states[s];
         let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0);
-        let samples = segment.observations.time_s.len();
-        for k in 0..samples {
+        for k in 0..segment.observations.time_s.len() {
             for (own, y) in all.iter_mut().zip(state.internal.iter().step_by(2)) {
                 own.largest = own.largest.max(y.abs());
                 own.mean_square += y * y;
             }
             instants += 1;
-            let next = (k + 1 < samples).then(|| motion.advance(&state, k));
-            match next.flatten() {
+            match motion.advance(&state, k) {
                 Some(next) => state = next,
                 None => break,
             }

@@ -165,7 +165,7 @@ fn effect(experiment: &Experiment, x: &[f64], starts: &[InitialState]) -> Option
         let o = &segment.observations;
         let vehicle = setting.vehicle(&tree, (index, segment), x);
         let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0);
-        let length = motion.gyration();
+        let length = motion.gyration;
         for k in (0..o.time_s.len()).step_by(o.time_s.len().div_ceil(PLACES).max(1)) {
             let (instant, _) = motion.velocity(&starts[index], k)?;
             for (w, variance) in setting.problem.noise.wheel_speed.iter().enumerate() {

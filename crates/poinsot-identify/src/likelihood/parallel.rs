@@ -46,9 +46,7 @@ fn in_turn(
     let mut state = *start;
     for k in 0..samples {
         compare.sample(&mut motion, &state, k)?;
-        if k + 1 < samples {
-            state = motion.advance(&state, k)?;
-        }
+        state = motion.advance(&state, k)?;
     }
     Some(())
 }
@@ -82,9 +80,7 @@ fn follow(
         for k in first..(first + BATCH).min(samples) {
             stretch.known.push(motion.evaluated_state(&state, k)?);
             stretch.columns.extend_from_slice(&motion.columns);
-            if k + 1 < samples {
-                state = motion.advance(&state, k)?;
-            }
+            state = motion.advance(&state, k)?;
         }
         ahead.send(stretch).ok()?;
     }

@@ -34,9 +34,12 @@ impl Rates<State> for WithinStep<'_, '_> {
 }
 
 impl Motion<'_> {
-    /// Carries state and sensitivities from grid time k to k + 1, in the steps of the grid.
+    /// Carries state and sensitivities from grid time k to k + 1, in the steps of the grid; after the last one they stay.
     pub fn advance(&mut self, state: &State, k: usize) -> Option<State> {
         let t = &self.observations.time_s;
+        if k + 1 == t.len() {
+            return Some(*state);
+        }
         let h = t[k + 1] - t[k];
         self.evaluate_at_grid_time(state, k)?;
         let joints = joint_frequency(self.vehicle.tree, &self.input_state.rates, self.gyration);

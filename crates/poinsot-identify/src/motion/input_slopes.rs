@@ -6,11 +6,6 @@ use poinsot_dynamics::propagation::StateRows;
 use poinsot_spatial::{Matrix3, Vector3, Vector6, skew};
 
 impl Motion<'_> {
-    /// Radius of gyration of the vehicle, m.
-    pub fn gyration(&self) -> f64 {
-        self.gyration
-    }
-
     /// Time from the grid time before k to k, s.
     pub fn step_s(&self, k: usize) -> f64 {
         let t = &self.observations.time_s;

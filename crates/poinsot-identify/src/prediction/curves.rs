@@ -163,8 +163,7 @@ fn segment(
     let ideal = IdealSeries::new(&vehicle, segment, &state, &late)?;
     let mut recorder = Recorder::new((problem.model, segment), experiment.parameters, x, points);
     let (silent, mut spare) = (InputNoise::default(), SpareVectors::default());
-    let samples = segment.observations.time_s.len();
-    for k in 0..samples {
+    for k in 0..segment.observations.time_s.len() {
         let (instant, _) = motion.velocity(&state, k)?;
         recorder.motion_at((&vehicle, motion.used()), &state, &instant.twist.w, k);
         for one in &mut recorder.all {
@@ -178,9 +177,7 @@ fn segment(
                 one.sample(&segment.observations.time_s, &due);
             }
         }
-        if k + 1 < samples {
-            state = motion.advance(&state, k)?;
-        }
+        state = motion.advance(&state, k)?;
     }
     Some(recorder.finish())
 }

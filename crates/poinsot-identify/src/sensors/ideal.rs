@@ -25,9 +25,8 @@ impl IdealSeries {
         let mut series = vec![Vec::new(); o.sensors.len()];
         let mut wanted = wanted.to_vec();
         let mut motion = Motion::new(vehicle, segment, Vec::new(), 0);
-        let samples = o.time_s.len();
         let mut state = *start;
-        for k in 0..samples {
+        for k in 0..o.time_s.len() {
             if !wanted.contains(&true) {
                 break;
             }
@@ -40,9 +39,7 @@ impl IdealSeries {
                     _ => *wanted = false,
                 }
             }
-            if k + 1 < samples {
-                state = motion.advance(&state, k)?;
-            }
+            state = motion.advance(&state, k)?;
         }
         Some(Self { series })
     }
