@@ -7,13 +7,12 @@
 
 use crate::certify::naming;
 use crate::fit::experiment::as_predicted::{readings_alone, take_predictions};
-use crate::fit::experiment::{Experiment, Iterate};
+use crate::fit::experiment::{Experiment, Iterate, MovedVehicle};
 use crate::fit::part_of_record::thinned;
 use crate::fit::step::{Linearisation, moved, predicted_decrease};
 use crate::problem::Problem;
 use crate::problem::parameters::Parameters;
 use crate::problem::segment::Segment;
-use crate::problem::shifted_vehicle::ShiftedVehicle;
 use crate::solution::estimate::UnobservableCombination;
 use crate::solution::solved::Solution;
 use crate::solution::unobservable_set::{ContinuationPath, POINTS, REACH, UnobservableSet};
@@ -50,15 +49,11 @@ pub(crate) fn unobservable_set(
     }
     // The vehicle with the fitted values of its known numbers.
     let of_known = || {
-        let shifted = ShiftedVehicle::at(experiment.problem, experiment.parameters, &at.x)?;
-        let problem = shifted.problem(experiment.problem);
-        let (parameters, kept) = shifted.parameters.without_known();
-        let exact = experiment.of_vehicle(&problem, &parameters);
-        let own = Iterate {
-            x: kept.iter().map(|k| at.x[*k]).collect(),
-            initial_states: at.initial_states.clone(),
-        };
-        let mut set = values_along_path(&exact, &own, &directions, spectrum.rank)?;
+        let MovedVehicle { vehicle, base } = MovedVehicle::new(experiment, at)?;
+        let problem = vehicle.problem(experiment.problem);
+        let exact = experiment.of_vehicle(&problem, &vehicle.parameters);
+        let (_, kept) = experiment.parameters.without_known();
+        let mut set = values_along_path(&exact, &base, &directions, spectrum.rank)?;
         for walk in &mut set.walks {
             for x in walk
                 .points

@@ -47,12 +47,8 @@ pub(crate) fn priors_against_data(
         out.tests.push(test);
         if let Some(square) = square {
             moved = square;
-            let free = without(experiment, fitted, |free, end| {
-                let found = wanted.then(|| diagnose(free, end));
-                (rows(experiment, end), found)
-            });
             unnamed = true;
-            if let Some((list, diagnostics)) = free {
+            if let Some((list, diagnostics)) = without_priors(experiment, fitted, wanted) {
                 apart.extend(list);
                 out.freed = diagnostics;
             }
@@ -119,12 +115,9 @@ fn design(experiment: &Experiment, fitted: &Fitted) -> Option<(PriorTest, Option
     let contradicted = chance < experiment.settings.contradiction_p() || square.is_infinite();
     let moved = contradicted.then(|| {
         let step = alone.damped(&shared.rhs(), 0.0);
-        let along = |k: usize| -> f64 {
-            let z = step.iter().enumerate();
-            z.map(|(j, z)| fitted.spectrum.directions[(j, k)] * z).sum()
-        };
-        let known = fitted.spectrum.singular.iter().take(fitted.spectrum.rank);
-        known.enumerate().map(|(k, s)| (s * along(k)).powi(2)).sum()
+        let spectrum = &fitted.spectrum;
+        let known = (0..spectrum.rank).map(|k| spectrum.singular[k] * spectrum.along(&step, k));
+        known.map(|z| z.powi(2)).sum()
     });
     let test = PriorTest {
         of: "priors of mass properties",
@@ -136,20 +129,22 @@ fn design(experiment: &Experiment, fitted: &Fitted) -> Option<(PriorTest, Option
     Some((test, moved))
 }
 
-/// Evaluates the fit without priors of mass properties, started at the end of the fit with them.
-fn without<T>(
+/// The priors of mass properties that are far from a fit without them, started at the end of the fit with them, and its diagnosis
+/// where that is wanted.
+fn without_priors(
     experiment: &Experiment,
     fitted: &Fitted,
-    ask: impl FnOnce(&Experiment, &Fitted) -> T,
-) -> Option<T> {
+    wanted: bool,
+) -> Option<(Vec<Discrepancy>, Option<Diagnostics>)> {
     let mut model = experiment.problem.model.clone();
     for body in &mut model.bodies {
         body.prior = None;
     }
     let problem = experiment.problem.with_model(&model);
     let free = experiment.with_problem(&problem);
-    let found = fit_from(&free, fitted.at.clone(), ITERATIONS)?;
-    Some(ask(&free, &found))
+    let end = fit_from(&free, fitted.at.clone(), ITERATIONS)?;
+    let found = wanted.then(|| diagnose(&free, &end));
+    Some((rows(experiment, &end), found))
 }
 
 /// Rows of the priors of mass properties that lie far from what the data alone say.

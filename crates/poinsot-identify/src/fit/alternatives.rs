@@ -234,11 +234,6 @@ impl<'a> AlternativeFit<'a> {
         }
     }
 
-    /// Whether it is the one with the torque of the wheels as a process.
-    pub fn is_random(&self) -> bool {
-        self.experiment.wheels == BetweenSamples::RandomTorque
-    }
-
     /// The same with integration steps as fine as the answer needs, and the error that is left.
     pub fn within_steps(mut self) -> (Self, Option<StepError>) {
         let (fitted, error) = within_steps(&mut self.experiment, self.fitted, ITERATIONS);
@@ -279,7 +274,7 @@ pub(crate) fn random_torque(
 ) -> Option<RandomTorque> {
     let problem = experiment.problem;
     let cost = |torque: &RandomTorque, wheels: BetweenSamples| {
-        let problem = torque.problem(problem);
+        let problem = problem.with_segments(&torque.segments);
         let driven = experiment.with_problem(&problem).under(wheels);
         Some(least(&driven.linearise(&fitted.at)?) + torque.deviance)
     };

@@ -35,8 +35,8 @@ fn widened(experiment: &Experiment, at: &Iterate) -> Option<(Parameters, Iterate
 
 /// The fit with known numbers within their uncertainty.
 pub(crate) struct KnownFit {
-    /// All unknowns, the known numbers last.
-    parameters: Parameters,
+    /// All unknowns, the known numbers last: [`Self::fitted`] is the fit with these.
+    pub parameters: Parameters,
     pub fitted: Fitted,
     /// Whether the known numbers were left at their values, because no such vehicle fits.
     pub left: bool,
@@ -44,13 +44,6 @@ pub(crate) struct KnownFit {
     pub contradiction: Option<Conflict>,
     /// Test of the known numbers against the data, where they were fitted.
     pub test: Option<PriorTest>,
-}
-
-impl KnownFit {
-    /// The experiment of which [`Self::fitted`] is the fit.
-    pub fn experiment<'b>(&'b self, experiment: &'b Experiment<'b>) -> Experiment<'b> {
-        experiment.with_parameters(&self.parameters)
-    }
 }
 
 /// The known numbers at the values of the model, with their uncertainty: what a fit of ideal measurements would end with.

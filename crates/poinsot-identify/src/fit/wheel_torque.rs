@@ -29,11 +29,6 @@ impl RandomTorque {
             segments: found.into_iter().map(|f| f.0).collect(),
         })
     }
-
-    /// The problem with these records.
-    pub fn problem<'a>(&'a self, problem: &Problem<'a>) -> Problem<'a> {
-        problem.with_segments(&self.segments)
-    }
 }
 
 fn driven_at_random(segment: &Segment, noise: &[f64], of: Changes) -> Option<(Segment, f64)> {

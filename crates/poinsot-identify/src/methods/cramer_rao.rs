@@ -84,8 +84,9 @@ fn bound(problem: &Problem, knowledge: Knowledge) -> Result<Estimate, ProblemErr
     }
     let known = declared.then(|| known_at(&experiment, &at)).flatten();
     let at_truth = fit_on(&experiment, at, here, 0).ok_or_else(no_motion)?;
-    let wide = known.as_ref().map(|k| k.experiment(&experiment));
-    let (experiment, at_truth) = match (&wide, &known) {
+    let known = known.as_ref();
+    let wide = known.map(|k| experiment.with_parameters(&k.parameters));
+    let (experiment, at_truth) = match (&wide, known) {
         (Some(wide), Some(known)) => (wide, known.fitted.clone()),
         _ => (&experiment, at_truth),
     };

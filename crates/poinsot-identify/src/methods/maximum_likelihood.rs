@@ -118,7 +118,7 @@ pub(super) fn solve_from(
         chance: chance(&best.fitted.evaluated, &settings),
     };
     let process = best.wheel_process(explains);
-    let driven = process.as_ref().map(|process| process.problem(problem));
+    let driven = process.as_ref().map(|p| problem.with_segments(&p.segments));
     let best = best.or_random_torque(driven.as_ref(), explains);
     let (smooth, fitted) = (best.smoothed(explains, start.as_ref()))
         .map(|s| (s.segments, s.fitted))
@@ -136,7 +136,7 @@ pub(super) fn solve_from(
     let known = fit_known(&best.experiment, &best.fitted);
     let wide = known
         .as_ref()
-        .map(|known| known.experiment(&best.experiment));
+        .map(|known| best.experiment.with_parameters(&known.parameters));
     let (experiment, fitted) = match (&wide, &known) {
         (Some(wide), Some(known)) => (wide, &known.fitted),
         _ => (&best.experiment, &best.fitted),
@@ -166,7 +166,7 @@ pub(super) fn solve_from(
     let (taken, x) = (best.experiment.problem, &fitted.at.x);
     let of_known = |_| ShiftedVehicle::at(taken, &solution.parameters, x);
     let shifted = known.as_ref().and_then(of_known);
-    plain.replaced = best.is_random();
+    plain.replaced = best.experiment.wheels == BetweenSamples::RandomTorque;
     Ok(FinishedFit {
         solution,
         at: fitted.at.clone(),

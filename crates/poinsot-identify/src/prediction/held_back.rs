@@ -76,7 +76,7 @@ pub fn held_back(
         }
         process = random_torque(&best.experiment, &best.fitted, explains(&best.fitted));
     }
-    let driven = process.as_ref().map(|process| process.problem(&problem));
+    let driven = process.as_ref().map(|p| problem.with_segments(&p.segments));
     let AlternativeFit {
         experiment, fitted, ..
     } = best.or_random_torque(driven.as_ref(), explains);

@@ -17,17 +17,9 @@ pub(crate) struct ShiftedVehicle {
 }
 
 impl ShiftedVehicle {
-    /// `changes` are added to the numbers of the problem; `None` without a valid vehicle.
-    pub fn new(
-        problem: &Problem,
-        parameters: &Parameters,
-        changes: &[(KnownNumber, usize, f64)],
-    ) -> Option<Self> {
-        Self::from(problem, problem.model, parameters, changes)
-    }
-
-    /// The same from a vehicle whose numbers have moved already: turns are about directions of the `nominal` one.
-    pub(crate) fn from(
+    /// `changes` are added to the numbers of the problem; `None` without a valid vehicle. Its numbers may have moved already: turns are
+    /// about directions of the `nominal` one.
+    pub fn from(
         problem: &Problem,
         nominal: &Model,
         parameters: &Parameters,
@@ -56,7 +48,7 @@ impl ShiftedVehicle {
 
     /// The known numbers where a value of all unknowns has them.
     pub fn at(problem: &Problem, parameters: &Parameters, x: &[f64]) -> Option<Self> {
-        Self::new(problem, parameters, &shifts(parameters, x))
+        Self::from(problem, problem.model, parameters, &shifts(parameters, x))
     }
 
     /// The problem of that vehicle.

@@ -59,9 +59,9 @@ pub(crate) struct MovedVehicle {
 impl MovedVehicle {
     pub fn new(experiment: &Experiment, at: &Iterate) -> Option<Self> {
         let (own, kept) = experiment.parameters.without_known();
-        let moved = shifts(experiment.parameters, &at.x);
+        let (problem, moved) = (experiment.problem, shifts(experiment.parameters, &at.x));
         Some(Self {
-            vehicle: ShiftedVehicle::new(experiment.problem, &own, &moved)?,
+            vehicle: ShiftedVehicle::from(problem, problem.model, &own, &moved)?,
             base: Iterate {
                 x: kept.iter().map(|k| at.x[*k]).collect(),
                 initial_states: at.initial_states.clone(),
