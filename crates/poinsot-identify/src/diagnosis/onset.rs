@@ -258,7 +258,7 @@ fn best(
     experiment: &Experiment,
     segment: usize,
 ) -> Vec<Best<usize>> {
-    let mut found: Vec<Best<usize>> = kinds.iter().map(|_| Best::new()).collect();
+    let mut found: Vec<Best<usize>> = kinds.iter().map(|_| Best::default()).collect();
     let Some(first) = clear.basis.first() else {
         return found;
     };

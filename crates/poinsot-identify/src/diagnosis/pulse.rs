@@ -38,7 +38,7 @@ pub(super) fn pulse(
     let t = &experiment.problem.segments[segment].observations.time_s;
     let pulses = Pulses::new(experiment, rows, clear, (segment, t))?;
     let last = rows.transitions.len() - 1;
-    let mut best: Best<(usize, usize)> = Best::new();
+    let mut best: Best<(usize, usize)> = Best::default();
     for share in DURATIONS {
         let length = ((last as f64 * share) as usize).max(1);
         for from in (0..last.saturating_sub(length)).step_by(length.div_ceil(2)) {

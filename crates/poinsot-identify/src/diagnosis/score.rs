@@ -30,18 +30,13 @@ pub(super) fn of_record(label: &str) -> String {
 }
 
 /// The best of the places within a record that were tried, and how many these are.
+#[derive(Default)]
 pub(super) struct Best<P> {
     pub found: Option<(Score, P)>,
     tried: usize,
 }
 
 impl<P> Best<P> {
-    /// None was tried as yet.
-    pub fn new() -> Self {
-        let (found, tried) = (None, 0);
-        Self { found, tried }
-    }
-
     /// Counts a place that was tried, and keeps the best.
     pub fn take(&mut self, score: Score, place: P) {
         self.tried += 1;

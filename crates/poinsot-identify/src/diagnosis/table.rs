@@ -73,12 +73,12 @@ impl SegmentRows {
     }
 
     /// Gives every measurement the columns of a delay from the nearest earlier and later ones of its sensor that share no
-    /// error of the wheels with it.
+    /// error of the wheels with it; `reach` is that of [`reach`].
     ///
     /// A delay moves a prediction by its slope over time. Between noisy samples of a wheel the slope has the noise
     /// that the residual has, and agrees with it without any delay; the slope of other samples does not (an instrumental
     /// variable, Reiersol 1945).
-    fn take_slopes_from_others(&mut self, unknowns: &[usize], reach: &Reach) {
+    fn take_slopes_from_others(&mut self, unknowns: &[usize], reach: &[(usize, usize)]) {
         let columns: Vec<usize> = unknowns.iter().map(|k| self.initial_columns + k).collect();
         for sensor in 0..self.names.len() {
             let all = (0..self.of.len()).filter(|m| self.of[*m].0 == sensor);
@@ -91,7 +91,7 @@ impl SegmentRows {
             let before: Vec<Vec<f64>> = all.iter().map(own).collect();
             let times: Vec<usize> = all.iter().map(|m| self.of[*m].1).collect();
             let others = |i: usize| {
-                let (first, last) = reach.around(times[i]);
+                let (first, last) = reach[times[i]];
                 let earlier = times.partition_point(|t| *t < first).checked_sub(1);
                 let later = times.partition_point(|t| *t <= last);
                 [earlier, (later < times.len()).then_some(later)]
@@ -138,44 +138,32 @@ fn decay(error: &InputErrors, last: usize) -> Vec<f64> {
     std::iter::once(0.0).chain(further).collect()
 }
 
-/// How far the error of a wheel's sample reaches over the grid.
-struct Reach {
-    /// First and last grid time at which any wheel's error is that of a sample that a slope at this time uses.
-    around: Vec<(usize, usize)>,
-}
-
-impl Reach {
-    /// `None` where no wheel is noisy. Joints have rates of their own, whose noise is small beside their motion.
-    fn of(noise: &Noise, o: &Observations) -> Option<Self> {
-        let noisy = noise.wheel_speed.iter().enumerate();
-        let noisy = noisy.filter(|(_, variance)| **variance > 0.0);
-        let error = |k: usize| &o.wheel(k).errors;
-        let moves = |e: &&InputErrors| !matches!(e, InputErrors::None | InputErrors::Locked);
-        let errors: Vec<&InputErrors> = noisy.map(|(k, _)| error(k)).filter(moves).collect();
-        if errors.is_empty() {
-            return None;
-        }
-        let last = o.time_s.len().saturating_sub(1);
-        let decays: Vec<Vec<f64>> = errors.iter().map(|e| decay(e, last)).collect();
-        let apart = -SHARED.ln();
-        let forward = |k: usize| {
-            let end = |d: &Vec<f64>| d.partition_point(|x| *x < d[k] + apart).min(last);
-            decays.iter().map(end).max().unwrap_or(k)
-        };
-        let back = |k: usize| {
-            let end = |d: &Vec<f64>| d.partition_point(|x| *x <= d[k] - apart).saturating_sub(1);
-            decays.iter().map(end).min().unwrap_or(k)
-        };
-        // Past the samples beside a time, once; past those of its slope, twice.
-        let around = |k: usize| (back(back(k)), forward(forward(k)));
-        Some(Self {
-            around: (0..=last).map(around).collect(),
-        })
+/// First and last grid time at which any wheel's error is that of a sample that a slope at each grid time uses.
+///
+/// `None` where no wheel is noisy. Joints have rates of their own, whose noise is small beside their motion.
+fn reach(noise: &Noise, o: &Observations) -> Option<Vec<(usize, usize)>> {
+    let noisy = noise.wheel_speed.iter().enumerate();
+    let noisy = noisy.filter(|(_, variance)| **variance > 0.0);
+    let error = |k: usize| &o.wheel(k).errors;
+    let moves = |e: &&InputErrors| !matches!(e, InputErrors::None | InputErrors::Locked);
+    let errors: Vec<&InputErrors> = noisy.map(|(k, _)| error(k)).filter(moves).collect();
+    if errors.is_empty() {
+        return None;
     }
-
-    fn around(&self, k: usize) -> (usize, usize) {
-        self.around.get(k).copied().unwrap_or((k, k))
-    }
+    let last = o.time_s.len().saturating_sub(1);
+    let decays: Vec<Vec<f64>> = errors.iter().map(|e| decay(e, last)).collect();
+    let apart = -SHARED.ln();
+    let forward = |k: usize| {
+        let end = |d: &Vec<f64>| d.partition_point(|x| *x < d[k] + apart).min(last);
+        decays.iter().map(end).max().unwrap_or(k)
+    };
+    let back = |k: usize| {
+        let end = |d: &Vec<f64>| d.partition_point(|x| *x <= d[k] - apart).saturating_sub(1);
+        decays.iter().map(end).min().unwrap_or(k)
+    };
+    // Past the samples beside a time, once; past those of its slope, twice.
+    let around = |k: usize| (back(back(k)), forward(forward(k)));
+    Some((0..=last).map(around).collect())
 }
 
 /// The most columns of candidates in one triangle: its update takes about as long as the evaluation that fills its rows.
@@ -265,13 +253,13 @@ impl<'a> Table<'a> {
         let mut evaluated = wide.evaluate(&at, true)?;
         self.hold(&mut evaluated);
         self.silence(own);
-        let kinds: Vec<UnknownKind> = extended.unknowns.iter().map(|u| u.kind.clone()).collect();
         self.derive();
-        let late = (self.base..kinds.len()).filter(|k| kinds[*k].is_delay());
+        let is_late = |k: &usize| extended.unknowns[*k].kind.is_delay();
+        let late = (self.base..extended.len()).filter(is_late);
         let late: Vec<usize> = late.collect();
         let segments = experiment.problem.segments.iter();
         for (own, segment) in self.segments.iter_mut().zip(segments) {
-            if let Some(reach) = Reach::of(experiment.problem.noise, &segment.observations) {
+            if let Some(reach) = reach(experiment.problem.noise, &segment.observations) {
                 own.take_slopes_from_others(&late, &reach);
             }
         }

@@ -248,7 +248,11 @@ impl<'a> Evaluator<'a> {
         }
         let evaluated = experiment.evaluate(&point, true);
         let evaluated = evaluated.ok_or_else(no_motion)?;
-        let mut rows = Rows::new(self.unknowns.len());
+        let mut rows = Rows {
+            width: self.unknowns.len(),
+            slopes: Vec::new(),
+            residuals: Vec::new(),
+        };
         let (mut sensors, mut deviance) = (Vec::new(), 0.0);
         let segments = self.problem.segments.iter().zip(&evaluated);
         for ((segment, one), place) in segments.clone().zip(&places) {
@@ -314,14 +318,6 @@ struct Rows {
 }
 
 impl Rows {
-    fn new(width: usize) -> Self {
-        Self {
-            width,
-            slopes: Vec::new(),
-            residuals: Vec::new(),
-        }
-    }
-
     /// Rows of a reading: slopes of the prediction over the start of its segment and the shared unknowns, then the residual.
     fn push_all(&mut self, rows: &[Vec<f64>], place: &SegmentColumns) {
         for (residual, slopes) in rows.iter().filter_map(|row| row.split_last()) {

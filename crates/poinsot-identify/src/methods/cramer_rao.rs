@@ -30,7 +30,7 @@ use poinsot_solve::LeastSquares;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn cramer_rao(problem: &Problem) -> Result<Estimate, ProblemError> {
-    bound(problem, Knowledge::Exact)
+    bound(problem, false)
 }
 
 /// The sigmas that an identification of such measurements will state: the bound with the known numbers within their
@@ -48,26 +48,18 @@ pub fn cramer_rao(problem: &Problem) -> Result<Estimate, ProblemError> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn predicted_covariance(problem: &Problem) -> Result<Estimate, ProblemError> {
-    bound(problem, Knowledge::Declared)
+    bound(problem, true)
 }
 
-/// How well what is not asked is known.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Knowledge {
-    /// Known numbers are exact, and so is the motion of wheels between samples.
-    Exact,
-    /// As the model declares, and as an identification takes it.
-    Declared,
-}
-
-fn bound(problem: &Problem, knowledge: Knowledge) -> Result<Estimate, ProblemError> {
+/// What is not asked is known as the model declares and as an identification takes it, or else exactly: the known numbers, and the motion
+/// of wheels between samples.
+fn bound(problem: &Problem, declared: bool) -> Result<Estimate, ProblemError> {
     problem.check_samples()?;
     problem.check_observations()?;
     let parameters = problem.likelihood_parameters()?;
     let mut experiment = Experiment::new(problem, &parameters);
     let at = experiment.nominal_point();
     let mut here = experiment.linearise(&at).ok_or_else(no_motion)?;
-    let declared = knowledge == Knowledge::Declared;
     let smooth = declared.then(|| with_smooth_wheels(&experiment)).flatten();
     let mut other = None;
     if let Some(smooth) = smooth

@@ -197,11 +197,6 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The problem of a vehicle with other modes.
-    fn of<'b>(&'b self, model: &'b Model) -> Problem<'b> {
-        self.problem.with_model(model)
-    }
-
     fn experiment<'b>(
         &self,
         problem: &'b Problem<'b>,
@@ -290,7 +285,7 @@ impl<'a> Search<'a> {
         for (own, mode) in model.modes.iter_mut().zip(last.modes()) {
             own.mode = mode;
         }
-        let own = self.of(&model);
+        let own = self.problem.with_model(&model);
         let parameters = LinearStart::new(&own)?.parameters;
         let experiment = self.experiment(&own, &parameters);
         let mut at = experiment.nominal_point();
@@ -328,7 +323,7 @@ impl<'a> Search<'a> {
         if now.model.modes.len() == MOST_MODES {
             return None;
         }
-        let own = self.of(&now.model);
+        let own = self.problem.with_model(&now.model);
         let experiment = self.experiment(&own, &now.parameters);
         let seen = oscillation(&experiment, &now.fitted.evaluated)?;
         let excess = excess(&now.fitted).max(0.0);
