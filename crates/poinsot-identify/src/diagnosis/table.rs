@@ -255,8 +255,7 @@ impl<'a> Table<'a> {
         self.silence(own);
         self.derive();
         let is_late = |k: &usize| extended.unknowns[*k].kind.is_delay();
-        let late = (self.base..extended.len()).filter(is_late);
-        let late: Vec<usize> = late.collect();
+        let late: Vec<usize> = (self.base..extended.len()).filter(is_late).collect();
         let segments = experiment.problem.segments.iter();
         for (own, segment) in self.segments.iter_mut().zip(segments) {
             if let Some(reach) = reach(experiment.problem.noise, &segment.observations) {

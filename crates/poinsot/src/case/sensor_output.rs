@@ -98,7 +98,7 @@ impl Planner<'_> {
             let late = error == ErrorKey::Lag && sensor.kind.unknown_errors().contains(&error);
             let group = ErrorGroup::of(sensor.kind).find(|g| g.key == error);
             let known: Vec<SensorError> = match group {
-                Some(group) => group.errors.iter().map(|e| e.0).collect(),
+                Some(group) => group.errors(),
                 None if late => vec![SensorError::Lag],
                 None => Vec::new(),
             };

@@ -90,10 +90,11 @@ fn nuisance(model: &Model, recorder: &Recorder) -> IndexMap<String, TrueNumberFi
             }
         }
         for group in ErrorGroup::of(sensor.kind) {
-            for (error, end) in group.errors {
-                let value = instrument.error(*error);
+            for error in group.errors() {
+                let value = instrument.error(error);
                 if value != 0.0 || group.key == ErrorKey::Bias {
-                    put(format!("{name}.{end}"), group.unit(sensor.kind), value);
+                    let name = format!("{name}.{}", group.end(error));
+                    put(name, group.unit(sensor.kind), value);
                 }
             }
         }

@@ -477,9 +477,8 @@ impl Registry<'_> {
     fn of_sensor(&self, kind: &UnknownKind, sensor: usize, error: SensorError) -> Option<Entry> {
         let of = self.model.sensors.get(sensor)?;
         let group = ErrorGroup::holding(of.kind, error)?;
-        let mut errors = group.errors.iter();
-        let (_, end) = errors.find(|e| e.0 == error)?;
-        let number = (format!("{}.{end}", of.name), group.unit(of.kind));
+        let name = format!("{}.{}", of.name, group.end(error));
+        let number = (name, group.unit(of.kind));
         let hypothesis = format!("a {}", group.word(of.kind));
         let own = entry(kind, number, group.fault(of.kind), hypothesis);
         let own = own.declare(group.key.declared(of));
@@ -587,12 +586,9 @@ impl Registry<'_> {
         let sensors = self.model.sensors.iter().enumerate();
         sensors.flat_map(|(sensor, of)| {
             ErrorGroup::of(of.kind).map(move |group| {
-                let errors = group.errors.iter();
+                let errors = group.errors().into_iter();
                 errors
-                    .map(|(error, _)| UnknownKind::Sensor {
-                        sensor,
-                        error: *error,
-                    })
+                    .map(|error| UnknownKind::Sensor { sensor, error })
                     .collect()
             })
         })

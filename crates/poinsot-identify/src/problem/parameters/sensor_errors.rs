@@ -1,5 +1,6 @@
 //! The errors of a sensor that are unknown together, and what they are called.
 
+use super::axis_name;
 use crate::problem::fault::FaultKind;
 use poinsot_dynamics::SensorError;
 use poinsot_model::{ErrorKey, SensorKind, printed_unit};
@@ -9,59 +10,44 @@ use poinsot_model::{ErrorKey, SensorKind, printed_unit};
 pub struct ErrorGroup {
     /// The key.
     pub key: ErrorKey,
-    /// Its numbers, each with the end of its name.
-    pub errors: &'static [(SensorError, &'static str)],
 }
-
-static BIAS: ErrorGroup = ErrorGroup {
-    key: ErrorKey::Bias,
-    errors: &[
-        (SensorError::Bias(0), "bias_x"),
-        (SensorError::Bias(1), "bias_y"),
-        (SensorError::Bias(2), "bias_z"),
-    ],
-};
-static SCALE: ErrorGroup = ErrorGroup {
-    key: ErrorKey::Scale,
-    errors: &[
-        (SensorError::Scale(0), "scale_x"),
-        (SensorError::Scale(1), "scale_y"),
-        (SensorError::Scale(2), "scale_z"),
-    ],
-};
-static MISALIGNMENT: ErrorGroup = ErrorGroup {
-    key: ErrorKey::Misalignment,
-    errors: &[
-        (SensorError::Misalignment(0), "misalignment_x"),
-        (SensorError::Misalignment(1), "misalignment_y"),
-        (SensorError::Misalignment(2), "misalignment_z"),
-    ],
-};
-static NONORTHOGONALITY: ErrorGroup = ErrorGroup {
-    key: ErrorKey::Nonorthogonality,
-    errors: &[
-        (SensorError::Nonorthogonality(0), "nonorthogonality_yz"),
-        (SensorError::Nonorthogonality(1), "nonorthogonality_xz"),
-        (SensorError::Nonorthogonality(2), "nonorthogonality_xy"),
-    ],
-};
-static LAG: ErrorGroup = ErrorGroup {
-    key: ErrorKey::Lag,
-    errors: &[(SensorError::Lag, "lag")],
-};
 
 impl ErrorGroup {
     /// Possible errors of a sensor with axes of this kind; none of joint, wheel and thrust sensors.
-    pub fn of(kind: SensorKind) -> impl Iterator<Item = &'static Self> {
-        let all = [&BIAS, &SCALE, &MISALIGNMENT, &NONORTHOGONALITY, &LAG];
-        let all = all.into_iter().filter(move |_| !kind.is_scalar());
-        all.filter(move |group| kind.unknown_errors().contains(&group.key))
+    pub fn of(kind: SensorKind) -> impl Iterator<Item = Self> {
+        let all = ErrorKey::ALL.into_iter().filter(move |_| !kind.is_scalar());
+        let own = all.filter(move |key| kind.unknown_errors().contains(key));
+        own.map(|key| Self { key })
     }
 
     /// The group of an error of a sensor with three axes.
-    pub(super) fn holding(kind: SensorKind, error: SensorError) -> Option<&'static Self> {
+    pub(super) fn holding(kind: SensorKind, error: SensorError) -> Option<Self> {
         let mut groups = Self::of(kind);
-        groups.find(|g| g.errors.iter().any(|e| e.0 == error))
+        groups.find(|g| g.errors().contains(&error))
+    }
+
+    /// Its numbers.
+    pub fn errors(&self) -> Vec<SensorError> {
+        let three = |error: fn(usize) -> SensorError| (0..3).map(error).collect();
+        match self.key {
+            ErrorKey::Bias => three(SensorError::Bias),
+            ErrorKey::Scale => three(SensorError::Scale),
+            ErrorKey::Misalignment => three(SensorError::Misalignment),
+            ErrorKey::Nonorthogonality => three(SensorError::Nonorthogonality),
+            ErrorKey::Lag => vec![SensorError::Lag],
+        }
+    }
+
+    /// End of the name of one of them.
+    pub fn end(&self, error: SensorError) -> String {
+        let word = self.key.word();
+        match error {
+            SensorError::Bias(k) | SensorError::Scale(k) | SensorError::Misalignment(k) => {
+                format!("{word}_{}", axis_name(k))
+            }
+            SensorError::Nonorthogonality(k) => format!("{word}_{}", ["yz", "xz", "xy"][k % 3]),
+            SensorError::Lag => word.to_owned(),
+        }
     }
 
     /// Unit of its numbers for a kind of sensor.
