@@ -311,15 +311,28 @@ impl Spectrum {
 
     /// Like [`Self::solve`] with `damping` added to the squared singular values.
     pub fn damped(&self, rhs: &[f64], damping: f64) -> Vec<f64> {
-        let mut z = vec![0.0; self.natural.len()];
-        for k in 0..self.rank {
+        self.combined(0..self.rank, |k| {
             let s = self.singular[k];
-            let step = self.left_along(rhs, k) * s / (s * s + damping);
-            for (j, zj) in z.iter_mut().enumerate() {
-                *zj += self.directions[(j, k)] * step;
+            self.left_along(rhs, k) * s / (s * s + damping)
+        })
+    }
+
+    /// Sum of some directions, each with its share, in natural units.
+    pub fn combined(&self, directions: Range<usize>, share: impl Fn(usize) -> f64) -> Vec<f64> {
+        let mut z = vec![0.0; self.natural.len()];
+        for k in directions {
+            let share = share(k);
+            for (i, z) in z.iter_mut().enumerate() {
+                *z += share * self.directions[(i, k)];
             }
         }
         z
+    }
+
+    /// A step of the unknowns in their natural units.
+    pub fn in_natural_units(&self, step: &[f64]) -> Vec<f64> {
+        let units = step.iter().zip(&self.natural);
+        units.map(|(s, unit)| s / unit).collect()
     }
 
     /// Reduction of the squared right-hand side by the step of [`Self::damped`].
@@ -462,11 +475,7 @@ impl Spectrum {
     /// values; both in the units of the unknowns.
     pub fn weak_change(&self, gradient: &[f64], step: &[f64]) -> f64 {
         let g = self.natural_gradient(gradient);
-        let z: Vec<f64> = step
-            .iter()
-            .zip(&self.natural)
-            .map(|(s, unit)| s / unit)
-            .collect();
+        let z = self.in_natural_units(step);
         let part = |k: usize| self.along(&g, k) * self.along(&z, k);
         (self.rank..self.told).map(part).sum()
     }

@@ -98,8 +98,7 @@ fn directions(problem: &Problem, solution: &Solution) -> Vec<Vec<f64>> {
     let natural = &spectrum.natural;
     let inside = |c: &UnobservableCombination| -> Vec<f64> {
         let step = step_of(&solution.parameters, c, natural.len());
-        let z: Vec<f64> = step.iter().zip(natural).map(|(s, u)| s / u).collect();
-        let z = along(spectrum, spectrum.rank, &z);
+        let z = along(spectrum, spectrum.rank, &spectrum.in_natural_units(&step));
         z.iter().zip(natural).map(|(z, u)| z * u).collect()
     };
     let named = naming::unobservable_directions(problem, solution);
@@ -152,14 +151,8 @@ fn values_along_path(
     let centred = experiment.with_parameters(&parameters);
     let few = readings_alone(&centred, &problem);
     let here = few.linearise(at)?.rows;
-    let natural = here.spectrum.natural.clone();
-    let in_natural = |d: &Vec<f64>| {
-        d.iter()
-            .zip(&natural)
-            .map(|(s, u)| s / u)
-            .collect::<Vec<_>>()
-    };
-    let single: Vec<Vec<f64>> = directions.iter().map(in_natural).collect();
+    let in_natural_units = |d: &Vec<f64>| here.spectrum.in_natural_units(d);
+    let single: Vec<Vec<f64>> = directions.iter().map(in_natural_units).collect();
     let walker = Continuation {
         experiment: &few,
         at,
@@ -333,12 +326,7 @@ impl Continuation<'_> {
 
 /// The part of a direction in the null space, its largest component one.
 fn along(spectrum: &Spectrum, rank: usize, direction: &[f64]) -> Vec<f64> {
-    let n = direction.len();
-    let mut out = vec![0.0; n];
-    for k in rank..n {
-        let share = spectrum.along(direction, k);
-        (0..n).for_each(|i| out[i] += share * spectrum.directions[(i, k)]);
-    }
+    let out = spectrum.combined(rank..direction.len(), |k| spectrum.along(direction, k));
     let size = largest(&out);
     out.iter()
         .map(|z| z / size.max(f64::MIN_POSITIVE))
@@ -348,13 +336,8 @@ fn along(spectrum: &Spectrum, rank: usize, direction: &[f64]) -> Vec<f64> {
 /// The Gauss-Newton step across the null space.
 fn across(local: &Linearisation, rank: usize) -> Vec<f64> {
     let (spectrum, rhs) = (&local.spectrum, local.shared.rhs());
-    let n = spectrum.natural.len();
-    let mut z = vec![0.0; n];
-    for k in 0..rank {
-        let step = spectrum.left_along(&rhs, k) / spectrum.singular[k];
-        (0..n).for_each(|i| z[i] += step * spectrum.directions[(i, k)]);
-    }
-    z
+    let step = |k: usize| spectrum.left_along(&rhs, k) / spectrum.singular[k];
+    spectrum.combined(0..rank, step)
 }
 
 fn largest(z: &[f64]) -> f64 {

@@ -59,8 +59,7 @@ pub(crate) fn unobservable_directions(
         if spanned.len() == open.ncols() {
             break;
         }
-        let z = step.iter().zip(natural).map(|(s, u)| s / u);
-        let z = DVector::from_iterator(open.nrows(), z);
+        let z = DVector::from_vec(spectrum.in_natural_units(&step));
         let inside = &open * open.tr_mul(&z);
         if (&z - &inside).norm() > INSIDE * z.norm() {
             continue;
@@ -253,7 +252,7 @@ fn symmetries(problem: &Problem, solution: &Solution) -> Vec<Symmetry> {
 fn within_its_errors(solution: &Solution, step: &[f64]) -> Vec<f64> {
     let spectrum = solution.of_data();
     let natural = &spectrum.natural;
-    let z: Vec<f64> = step.iter().zip(natural).map(|(s, unit)| s / unit).collect();
+    let z = spectrum.in_natural_units(step);
     let mut out = step.to_vec();
     for (k, sigma) in spectrum.sigmas()[..spectrum.rank].iter().enumerate() {
         let error = spectrum.along(&z, k).clamp(-sigma, *sigma);

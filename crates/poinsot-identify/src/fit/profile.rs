@@ -192,7 +192,10 @@ impl Profile<'_> {
 /// The Gauss-Newton step of the others where one direction is held.
 fn across(here: &Linearisation, held: &Direction) -> Vec<f64> {
     let free = here.spectrum.solve(&here.shared.rhs());
-    let image = inverse_times(&here.spectrum, held);
+    // The covariance of the identified directions times the vector that is held.
+    let spectrum = &here.spectrum;
+    let variance = |k: usize| spectrum.along(held, k) / spectrum.singular[k].powi(2);
+    let image = spectrum.combined(0..spectrum.rank, variance);
     let wrong = dot(held, &free) / dot(held, &image);
     match wrong.is_finite() {
         true => free
@@ -211,18 +214,6 @@ fn sigma_along(here: &Linearisation, direction: &Direction) -> f64 {
         true => UNBOUNDED,
         false => spectrum.variance(direction).sqrt(),
     }
-}
-
-/// The covariance of the identified directions times a vector, natural units.
-fn inverse_times(spectrum: &Spectrum, z: &[f64]) -> Vec<f64> {
-    let mut out = vec![0.0; z.len()];
-    for k in 0..spectrum.rank {
-        let part = spectrum.along(z, k) / spectrum.singular[k].powi(2);
-        for (i, out) in out.iter_mut().enumerate() {
-            *out += part * spectrum.directions[(i, k)];
-        }
-    }
-    out
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

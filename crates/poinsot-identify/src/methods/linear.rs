@@ -332,8 +332,7 @@ impl Solution {
                 *value += dz * unit;
             }
         }
-        let units = x.iter().zip(&self.spectrum.natural);
-        let z: Vec<f64> = units.map(|(x, unit)| x / unit).collect();
+        let z = self.spectrum.in_natural_units(&x);
         self.spectrum.set_bias(regressor_noise, &z);
         let biases = self.shared.nuisances_for(&x[..m]);
         x[m..].copy_from_slice(&biases);
