@@ -84,6 +84,11 @@ impl BlockQr {
         self.rows += rows;
     }
 
+    /// Adds rows of one number each, on the diagonal.
+    pub fn push_diagonal(&mut self, rows: usize, value: impl Fn(usize) -> f64) {
+        self.push(rows, |i, j| if i == j { value(i) } else { 0.0 });
+    }
+
     /// Adds six rows given as columns of six elements, as in a momentum regressor, linear part first. Missing columns
     /// count as zero.
     #[inline]

@@ -166,10 +166,7 @@ impl Block {
             self.r[(i, if j < n { group[j] } else { last })]
         });
         if let Some(sigma) = prior {
-            qr.push(n, |i, j| match i == j {
-                true => scaled(1.0, sigma * self.length[group[i]]),
-                false => 0.0,
-            });
+            qr.push_diagonal(n, |i| scaled(1.0, sigma * self.length[group[i]]));
         }
         let t = qr.finish().r;
         let blind = |k: usize| t[(k, k)].abs() < NEW;

@@ -246,8 +246,7 @@ impl<'a> Evaluator<'a> {
             });
             first += count;
         }
-        let evaluated = experiment.evaluate(&point, true);
-        let evaluated = evaluated.ok_or_else(no_motion)?;
+        let evaluated = experiment.evaluate(&point, true).ok_or_else(no_motion)?;
         let mut rows = Rows {
             width: self.unknowns.len(),
             slopes: Vec::new(),

@@ -66,8 +66,7 @@ impl Information {
         let mut experiment = Experiment::new(problem, &parameters).coarse(steps);
         experiment.weight = weight;
         let point = experiment.nominal_point();
-        let evaluated = experiment.evaluate(&point, true);
-        let evaluated = evaluated.ok_or_else(no_motion)?;
+        let evaluated = experiment.evaluate(&point, true).ok_or_else(no_motion)?;
         let stacked = experiment.stack(&point, &evaluated, with_priors);
         let r = with_vague_rows(&stacked.r, &parameters);
         let smooth = with_smooth_wheels(&experiment).and_then(|e| e.linearise(&point));
@@ -142,10 +141,7 @@ fn with_vague_rows(r: &Mat<f64>, parameters: &Parameters) -> DMatrix<f64> {
         unit if unit.is_finite() && unit > 0.0 => unit,
         _ => 1.0,
     };
-    stacked.push(n, |i, j| match i == j {
-        true => 1.0 / (VAGUE * natural(i)),
-        false => 0.0,
-    });
+    stacked.push_diagonal(n, |i| 1.0 / (VAGUE * natural(i)));
     let r = stacked.finish().r;
     DMatrix::from_fn(n, n, |i, j| if j < i { 0.0 } else { r[(i, j)] })
 }

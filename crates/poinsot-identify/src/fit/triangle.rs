@@ -118,10 +118,7 @@ pub(super) fn damped(r: &Mat<f64>, units: &[f64], damping: f64) -> Mat<f64> {
     let mut more = BlockQr::new(r.ncols());
     more.push(r.nrows(), |i, j| r[(i, j)]);
     let root = damping.sqrt();
-    more.push(units.len(), |i, j| match i == j {
-        true => root / units[i],
-        false => 0.0,
-    });
+    more.push_diagonal(units.len(), |i| root / units[i]);
     more.finish().r
 }
 
