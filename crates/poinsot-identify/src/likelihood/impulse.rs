@@ -1,6 +1,6 @@
 //! Impulse of the thrusters between samples, with the force turning with the body.
 
-use crate::motion::{Running, cubic};
+use crate::motion::{Running, cubic, cubic_between};
 use crate::problem::Problem;
 use crate::problem::parameters::Equations;
 use crate::problem::segment::{Firing, Segment};
@@ -158,7 +158,7 @@ fn one_interval(
         let origin = match &s.translation {
             Some(t) => {
                 let (a, b) = (t.p_NoBo_N[k], t.p_NoBo_N[k + 1]);
-                a + between(&(b - a), [&t.v_NBo_N[k], &t.v_NBo_N[k + 1]], t1 - t0, at)
+                a + cubic_between(&(b - a), [&t.v_NBo_N[k], &t.v_NBo_N[k + 1]], t1 - t0, at)
             }
             None => Vector3::zeros(),
         };
@@ -183,7 +183,7 @@ fn attitude_between(s: &crate::problem::segment::Samples, k: usize, at: f64) -> 
     let step = s.time_s[k + 1] - s.time_s[k];
     let turn = (s.R_NB[k].inverse() * s.R_NB[k + 1]).scaled_axis();
     let end_rate = inverse_right_jacobian(&turn) * s.w_NB_B[k + 1];
-    let phi = between(&turn, [&s.w_NB_B[k], &end_rate], step, at);
+    let phi = cubic_between(&turn, [&s.w_NB_B[k], &end_rate], step, at);
     s.R_NB[k] * UnitQuaternion::from_scaled_axis(phi)
 }
 
@@ -197,9 +197,4 @@ fn inverse_right_jacobian(phi: &Vector3) -> Matrix3 {
         1.0 / (angle * angle) - (1.0 + angle.cos()) / (2.0 * angle * angle.sin())
     };
     Matrix3::identity() + k * 0.5 + k * k * second
-}
-
-/// How far the cubic with a change and the rates at both ends of an interval of length h is at a share of it.
-fn between(change: &Vector3, rates: [&Vector3; 2], h: f64, at: f64) -> Vector3 {
-    Vector3::from_fn(|i, _| cubic(change[i], rates.map(|rate| rate[i]), h, at).0)
 }

@@ -6,7 +6,8 @@
 //! T = T_B - c |w| w + R^T T_N + (3 gm / r^3) u x (I u)
 //! ```
 
-use super::{Instant, MassCentre, Motion, State, cubic};
+use super::joint_scales::cubic_between;
+use super::{Instant, MassCentre, Motion, State};
 use crate::problem::parameters::{GRADIENT, UnknownKind};
 use crate::problem::quantity::unit;
 use crate::problem::segment::Observations;
@@ -81,7 +82,7 @@ impl Motion<'_> {
             force += thrust.F_B;
             torque += thrust.arm_B.cross(&thrust.F_B);
         }
-        let (l_out, h_out) = self.momentum_loss(instant, k);
+        let (l_out, h_out) = self.leaving(k, |part| self.leaves(part, instant));
         (force - l_out, torque - h_out)
     }
 
@@ -174,13 +175,6 @@ impl Motion<'_> {
         sum
     }
 
-    /// Position of the reference orbit at a share of the interval after grid time k.
-    pub(super) fn set_orbit(&mut self, k: usize, at: f64) {
-        if let Some((p, _)) = orbit_between(self.observations, k, at) {
-            self.input_state.orbit_N = p;
-        }
-    }
-
     /// The state after the edge of a delayed firing, which lasts `lag` longer: `P += (F_before - F_after) lag`. Grid
     /// times hold all edges; the placement is that of grid time k.
     pub(super) fn late_thrust(&mut self, state: &State, k: usize) -> State {
@@ -216,19 +210,16 @@ impl Motion<'_> {
     }
 }
 
-/// Position and velocity of the reference orbit at a share of the interval after grid time k: the cubic through positions
-/// and velocities. Both intervals that share a grid time see one orbit there, to the last bit.
-pub(super) fn orbit_between(o: &Observations, k: usize, at: f64) -> Option<(Vector3, Vector3)> {
-    let here = *o.orbit.get(k)?;
-    let Some(next) = o.orbit.get(k + 1).filter(|_| at > 0.0) else {
-        return Some(here);
+/// Position of the reference orbit at a share of the interval after grid time k: the cubic through positions and velocities. Both
+/// intervals that share a grid time see one orbit there, to the last bit.
+pub(super) fn orbit_between(o: &Observations, k: usize, at: f64) -> Option<Vector3> {
+    let (p0, v0) = o.orbit.get(k)?;
+    let Some((p1, v1)) = o.orbit.get(k + 1).filter(|_| at > 0.0) else {
+        return Some(*p0);
     };
     if at == 1.0 {
-        return Some(*next);
+        return Some(*p1);
     }
-    let ((p0, v0), (p1, v1)) = (here, *next);
     let h = o.time_s[k + 1] - o.time_s[k];
-    let along = |i: usize| cubic(p1[i] - p0[i], [v0[i], v1[i]], h, at);
-    let p = p0 + Vector3::from_fn(|i, _| along(i).0);
-    Some((p, Vector3::from_fn(|i, _| along(i).1)))
+    Some(p0 + cubic_between(&(p1 - p0), [v0, v1], h, at))
 }

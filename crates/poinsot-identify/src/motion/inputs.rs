@@ -1,5 +1,6 @@
 //! Corrected joint and wheel motion, and the effect of the sensor errors.
 
+use super::environment::orbit_between;
 use super::joint_scales::{cubic, rate_parts};
 use super::vehicle::{InputFault, Vehicle, wheel_slope};
 use super::{EvaluatedState, InputState, Instant, Motion, State, matrix, pose_change};
@@ -49,8 +50,10 @@ pub(super) struct OutsideChange {
 impl Motion<'_> {
     /// Corrected inputs within the interval after grid time k.
     pub(super) fn inputs(&mut self, k: usize, at: f64) {
-        self.set_orbit(k, at);
         let input_state = &mut self.input_state;
+        if let Some(p) = orbit_between(self.observations, k, at) {
+            input_state.orbit_N = p;
+        }
         input_state.interval = k;
         fill_inputs(self.observations, self.vehicle, k, at, input_state);
         input_state.changes.clear();

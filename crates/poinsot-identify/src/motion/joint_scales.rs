@@ -5,6 +5,7 @@
 
 use crate::problem::parameters::{Parameters, UnknownKind};
 use crate::problem::segment::{InputChannel, InputRate, Observations, RateParts};
+use poinsot_spatial::Vector3;
 
 /// Errors of one joint coordinate.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -126,4 +127,9 @@ pub(crate) fn cubic(change: f64, rates: [f64; 2], h: f64, at: f64) -> (f64, f64)
     let (c2, c3) = (3.0 * change - 2.0 * d0 - d1, d0 + d1 - 2.0 * change);
     let so_far = at * (d0 + at * (c2 + at * c3));
     (so_far, (d0 + at * (2.0 * c2 + at * 3.0 * c3)) / h)
+}
+
+/// How far such a cubic of each component is at a share of the interval.
+pub(crate) fn cubic_between(change: &Vector3, rates: [&Vector3; 2], h: f64, at: f64) -> Vector3 {
+    Vector3::from_fn(|i, _| cubic(change[i], rates.map(|rate| rate[i]), h, at).0)
 }

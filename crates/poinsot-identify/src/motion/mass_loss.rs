@@ -150,7 +150,7 @@ impl Motion<'_> {
     }
 
     /// The same with the motion of the joints.
-    fn leaves(&self, part: &Part, instant: &Instant) -> Leaving {
+    pub(super) fn leaves(&self, part: &Part, instant: &Instant) -> Leaving {
         let k = &self.input_state.kinematics;
         let (R, p) = (&k.R[part.body], &k.p[part.body]);
         let (v, w) = self.input_state.velocities[part.body];
@@ -174,13 +174,9 @@ impl Motion<'_> {
         self.flows(k).next().is_some()
     }
 
-    /// Momentum that leaves in the interval after grid time k, per second in B: linear, and angular about the mass centre.
-    pub(super) fn momentum_loss(&self, instant: &Instant, k: usize) -> (Vector3, Vector3) {
-        self.leaving(k, |part| self.leaves(part, instant))
-    }
-
-    /// Sum of what leaves, of which a part takes so much per impulse.
-    fn leaving(&self, k: usize, takes: impl Fn(&Part) -> Leaving) -> (Vector3, Vector3) {
+    /// Momentum that leaves in the interval after grid time k, per second in B: linear, and angular about the mass centre;
+    /// `takes`: what a part takes along per impulse.
+    pub(super) fn leaving(&self, k: usize, takes: impl Fn(&Part) -> Leaving) -> (Vector3, Vector3) {
         let mut sum = (Vector3::zeros(), Vector3::zeros());
         for (force, part) in self.flows(k) {
             let out = takes(&part);
