@@ -76,7 +76,7 @@ impl Setting<'_> {
             vehicle.impulse_before =
                 impulse_before(self.problem.segments, segment, thrusters.len());
         }
-        vehicle.wheels_smooth = self.wheels.is_smooth();
+        vehicle.wheels_smooth = self.wheels == BetweenSamples::Smooth;
         vehicle.curves = self.curves.get(index);
         vehicle.grid = self.grids.get(index);
         vehicle.fineness = self.fineness;
@@ -177,8 +177,8 @@ pub(crate) fn evaluate(
         return evaluate_driven(setting, of, x, initial_state, asked, None);
     }
     let (reduced, kept) = whole.without_known();
+    let driving: Vec<f64> = kept.iter().map(|k| x[*k]).collect();
     let carried = CarriedColumns::new(setting, of, x, kept);
-    let driving = carried.driving(x);
     let setting = Setting {
         parameters: &reduced,
         ..*setting

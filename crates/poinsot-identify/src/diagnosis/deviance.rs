@@ -27,26 +27,16 @@ pub(crate) fn deviance(experiment: &Experiment, fitted: &Fitted) -> f64 {
         let last = row.gradient.iter().rev().find(|g| **g != 0.0);
         sum -= 2.0 * last.map_or(0.0, |g| g.abs().ln());
     }
-    for (one, unknown) in fitted.evaluated.iter().zip(&experiment.unknown) {
-        if let Some(t) = &one.triangle {
-            sum += (0..unknown.count())
-                .map(|i| log_square(t.r[(i, i)]))
-                .sum::<f64>();
-        }
+    for (triangle, own) in experiment.triangles(&fitted.evaluated) {
+        sum += log_squares((0..own).map(|i| triangle.r[(i, i)]));
     }
-    let shared = &fitted.shared;
-    sum += (0..shared.nuisances)
-        .map(|i| log_square(shared.r[(i, i)]))
-        .sum::<f64>();
-    let spectrum = &fitted.spectrum;
-    sum += spectrum.singular[..spectrum.rank]
-        .iter()
-        .map(|s| log_square(*s))
-        .sum::<f64>();
-    sum
+    let (shared, spectrum) = (&fitted.shared, &fitted.spectrum);
+    sum += log_squares((0..shared.nuisances).map(|i| shared.r[(i, i)]));
+    sum + log_squares((0..spectrum.rank).map(|k| spectrum.singular[k]))
 }
 
-/// `2 ln |x|`; zero for a column without effect.
-fn log_square(x: f64) -> f64 {
-    if x == 0.0 { 0.0 } else { 2.0 * x.abs().ln() }
+/// Sum of `2 ln |x|`; zero for a column without effect.
+fn log_squares(of: impl Iterator<Item = f64>) -> f64 {
+    of.map(|x| if x == 0.0 { 0.0 } else { 2.0 * x.abs().ln() })
+        .sum()
 }

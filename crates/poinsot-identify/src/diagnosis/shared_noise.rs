@@ -35,10 +35,9 @@ impl SharedNoise {
     pub fn new(table: &Table) -> Option<Self> {
         let (experiment, fitted) = (table.experiment, table.fitted);
         let (problem, noise) = (experiment.problem, experiment.problem.noise);
-        let inputs = [&noise.joint_position, &noise.joint_rate, &noise.wheel_speed];
         let smooth = |s: &Segment| s.observations.is_smoothed();
         if table.segments.is_empty()
-            || !inputs.into_iter().flatten().any(|v| *v > 0.0)
+            || !experiment.has_noisy_inputs()
             || problem.segments.iter().any(smooth)
         {
             return None;

@@ -238,12 +238,7 @@ impl<'a> Experiment<'a> {
 
     /// Curves along which lags shift the inputs, one per segment; none where no lag is unknown.
     fn curves(&self) -> &[InputCurves] {
-        if !self
-            .parameters
-            .unknowns
-            .iter()
-            .any(|u| u.kind.delays_inputs())
-        {
+        if !self.parameters.delay_inputs() {
             return &[];
         }
         self.curves.get_or_init(|| {

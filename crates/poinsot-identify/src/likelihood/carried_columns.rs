@@ -48,11 +48,6 @@ impl<'a> CarriedColumns<'a> {
         }
     }
 
-    /// Values of the unknowns that drive the motion.
-    pub fn driving(&self, x: &[f64]) -> Vec<f64> {
-        self.kept.iter().map(|k| x[*k]).collect()
-    }
-
     pub fn len(&self) -> usize {
         self.places.len()
     }

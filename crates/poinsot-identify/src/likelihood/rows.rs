@@ -84,16 +84,11 @@ impl<'a> Rows<'a> {
     pub fn at(&mut self, k: usize) -> &[[f64; 6]] {
         self.place(k);
         self.columns.clear();
-        let covariance = match self.setting.parameters.equations {
-            Equations::Momentum => {
-                self.momentum_columns(k);
-                self.momentum_covariance(k)
-            }
-            Equations::Rotation => {
-                self.rotation_columns(k);
-                self.rotation_covariance(k)
-            }
-        };
+        match self.setting.parameters.equations {
+            Equations::Momentum => self.momentum_columns(k),
+            Equations::Rotation => self.rotation_columns(k),
+        }
+        let covariance = self.covariance(k);
         whiten(&mut self.columns, covariance);
         &self.columns
     }
@@ -341,15 +336,19 @@ impl<'a> Rows<'a> {
         out
     }
 
+    fn covariance(&mut self, k: usize) -> Matrix6 {
+        match self.setting.parameters.equations {
+            Equations::Momentum => self.momentum_covariance(k),
+            Equations::Rotation => self.rotation_covariance(k),
+        }
+    }
+
     /// Squared size that measurement noise alone gives to the whitened columns of the unknowns at
     /// sample k: `E[dA^T dA]`, added to `sum` (unknowns x unknowns, row by row).
     pub fn add_regressor_noise(&mut self, k: usize, weight: f64, sum: &mut [f64]) {
         self.place(k);
         self.columns.clear();
-        let covariance = match self.setting.parameters.equations {
-            Equations::Momentum => self.momentum_covariance(k),
-            Equations::Rotation => self.rotation_covariance(k),
-        };
+        let covariance = self.covariance(k);
         let noise = self.setting.noise;
         let dof = self.setting.tree.dof();
         let R = *self.segment.samples.R_NB[k].to_rotation_matrix().matrix();

@@ -342,7 +342,7 @@ fn wheel_warning(best: &AlternativeFit) -> Option<String> {
     if shift <= best.experiment.settings.sensitivity_sigmas {
         return None;
     }
-    let smooth = best.experiment.wheels.is_smooth();
+    let smooth = best.experiment.wheels == BetweenSamples::Smooth;
     let (assumed, other) = match smooth {
         true => ("wheel speed smooth between samples", "constant torque"),
         false => ("wheel torque constant between samples", "smooth speed"),

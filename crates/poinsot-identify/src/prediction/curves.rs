@@ -253,7 +253,6 @@ struct Recorder<'a> {
     all: Vec<SensorCursor>,
     /// Samples and errors of the gyro whose rates give the measured momentum.
     gyro: (Vec<(usize, Vector3)>, SensorErrors),
-    next_rate: usize,
     kinematics: Option<Kinematics>,
     sieves: [Decimator; 2],
     prediction: Prediction,
@@ -298,7 +297,6 @@ impl<'a> Recorder<'a> {
                 .collect(),
             sieves: [o.time_s.len(), rates.len()].map(|n| Decimator::new(n, points)),
             gyro: (rates, parameters.sensor_errors(x, gyro)),
-            next_rate: 0,
             kinematics: None,
             prediction: Prediction {
                 label: segment.label.clone(),
@@ -330,11 +328,10 @@ impl<'a> Recorder<'a> {
         if self.sieves[MOTION].keeps() {
             self.motion_point(vehicle, state, w, k);
         }
-        let Some((_, measured)) = self.gyro.0.get(self.next_rate).filter(|r| r.0 == k) else {
+        let Ok(at) = self.gyro.0.binary_search_by_key(&k, |r| r.0) else {
             return;
         };
-        let measured = *measured;
-        self.next_rate += 1;
+        let measured = self.gyro.0[at].1;
         if self.sieves[MOMENTUM].keeps() {
             self.momentum_point((vehicle, inputs), state, (&measured, w), k);
         }

@@ -13,11 +13,6 @@ pub(crate) enum BetweenSamples {
 }
 
 impl BetweenSamples {
-    /// Whether wheel speeds are smooth between samples.
-    pub fn is_smooth(self) -> bool {
-        self == Self::Smooth
-    }
-
     /// As an assumption of an answer.
     pub fn words(self) -> &'static str {
         match self {

@@ -202,6 +202,11 @@ impl Parameters {
         self.unknowns.iter().any(|u| u.kind.known().is_some())
     }
 
+    /// Whether any of them delays the inputs.
+    pub(crate) fn delay_inputs(&self) -> bool {
+        self.unknowns.iter().any(|u| u.kind.delays_inputs())
+    }
+
     /// What the registry holds and the model declares unknown.
     fn add_nuisances(&mut self, model: &Model, tree: &Tree) {
         let registry = Registry {

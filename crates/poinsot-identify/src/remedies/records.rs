@@ -210,12 +210,10 @@ impl Baseline<'_> {
             angular: !trial.known_momentum,
             internal: self.problem.internal_states(),
         };
-        let mut unknowns = self.parameters.unknowns.iter();
-        let late = unknowns.any(|u| u.kind.delays_inputs());
         // A separate record, without the others.
         let index = self.problem.segments.len();
         let mut curves = vec![InputCurves::default(); index];
-        if late {
+        if self.parameters.delay_inputs() {
             curves.push(InputCurves::new(o, self.problem.noise));
         }
         let setting = Setting {
