@@ -125,9 +125,7 @@ impl<'a> SensorNoise<'a> {
         let levels = octaves_of(fit, name).fold(Vec::new(), |sum, (_, levels)| added(sum, levels));
         let mut excess = Excess::judged(name, &levels, limits);
         let segments: Vec<(&str, &[Octave])> = match fit.len() > 1 {
-            true => octaves_of(fit, name)
-                .map(|(label, levels)| (label.as_str(), levels.as_slice()))
-                .collect(),
+            true => octaves_of(fit, name).collect(),
             false => Vec::new(),
         };
         for (label, levels) in &segments {
@@ -249,10 +247,10 @@ pub(super) fn sensor_noise<'a>(fit: &'a [SegmentFit], settings: &Settings) -> Ve
 fn octaves_of<'a>(
     fit: &'a [SegmentFit],
     name: &'a str,
-) -> impl Iterator<Item = (&'a String, &'a Vec<Octave>)> {
+) -> impl Iterator<Item = (&'a str, &'a [Octave])> {
     fit.iter().flat_map(move |s| {
         let own = s.channels.iter().filter(move |c| c.name == name);
-        own.map(move |c| (&s.label, &c.octaves))
+        own.map(move |c| (s.label.as_str(), c.octaves.as_slice()))
     })
 }
 

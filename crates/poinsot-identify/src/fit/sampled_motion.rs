@@ -796,9 +796,7 @@ impl JointMotion {
             of_rates,
         })
     }
-}
 
-impl JointMotion {
     /// The motion at some of its grid times.
     #[must_use]
     pub fn at_times(&self, kept: &[usize]) -> Self {

@@ -45,9 +45,7 @@ impl<'a> Problem<'a> {
     pub(crate) fn with_model(&self, model: &'a Model) -> Self {
         Self { model, ..*self }
     }
-}
 
-impl Problem<'_> {
     /// Whether there is time for one more evaluation.
     pub(crate) fn has_time(&self) -> bool {
         self.pace.is_none_or(|p| p.check(1, EVALUATIONS).is_ok())
