@@ -369,16 +369,8 @@ impl Spectrum {
                     .sum()
             })
             .collect();
-        self.bias = vec![0.0; n];
-        for k in 0..self.rank {
-            let dot: f64 = (0..n)
-                .map(|i| self.directions[(i, k)] * pushed[i])
-                .sum::<f64>()
-                / (self.singular[k] * self.singular[k]);
-            for (i, b) in self.bias.iter_mut().enumerate() {
-                *b -= self.directions[(i, k)] * dot;
-            }
-        }
+        let share = |k: usize| -self.along(&pushed, k) / (self.singular[k] * self.singular[k]);
+        self.bias = self.combined(0..self.rank, share);
     }
 
     /// Sigma of a number with this gradient over the unknowns; `None` if it is undetermined.
