@@ -9,7 +9,7 @@ use crate::problem::parameters::{Entry, Unknown, UnknownKind, axis_name};
 use crate::problem::segment::{InputErrors, InputRate};
 use poinsot_dynamics::SensorError;
 use poinsot_files::given_memory_limit;
-use poinsot_model::{Joint, JointKind, KnownNumber, Origin, SensorKind, Wheel};
+use poinsot_model::{JointKind, KnownNumber, Origin, SensorKind, Wheel};
 use poinsot_spatial::TENSOR;
 
 /// Largest number of firings tested one by one.
@@ -225,12 +225,6 @@ fn is_held(problem: &Problem, joint: usize) -> bool {
     segments.all(|s| s.observations.joint(joint).errors == InputErrors::None)
 }
 
-/// The joint of a coordinate.
-fn joint_of<'a>(problem: &Problem<'a>, coordinate: usize) -> Option<&'a Joint> {
-    let at = problem.tree.coordinates.get(coordinate)?;
-    problem.model.joints.get(*at)
-}
-
 /// Rotors of geared motors that the model does not have, one in each joint that turns.
 ///
 /// A rotor of spin inertia J and gear ratio n has the momentum `n J q'` along the joint axis, beside the one that its
@@ -238,7 +232,7 @@ fn joint_of<'a>(problem: &Problem<'a>, coordinate: usize) -> Option<&'a Joint> {
 fn of_rotors(experiment: &Experiment) -> Vec<Candidate> {
     let problem = experiment.problem;
     let of = |coordinate: usize| {
-        let joint = joint_of(problem, coordinate)?;
+        let joint = problem.registry().joint(coordinate)?;
         let (axis_C, axis_P) = (joint.axis_C, joint.R_PC_zero * joint.axis_C);
         let along = |w: &Wheel| w.axis_B.dot(&axis_P).abs() > ALONG;
         let mut wheels = problem.model.wheels.iter();
@@ -284,7 +278,7 @@ pub(super) fn assumptions(problem: &Problem, candidates: &[Candidate]) -> Vec<As
     let numbers = numbers.flat_map(|c| c.unknowns.iter().map(move |u| (c.fault, u)));
     let of = |(place, (fault, unknown)): (usize, (FaultKind, &Unknown))| match &unknown.kind {
         UnknownKind::JointOffset(k) => {
-            let (joint, held) = (joint_of(problem, *k)?, is_held(problem, *k));
+            let (joint, held) = (problem.registry().joint(*k)?, is_held(problem, *k));
             let step = match (joint.kind, held) {
                 (JointKind::Prismatic, true) => HELD_OFF_M,
                 (JointKind::Prismatic, false) => ZERO_OFF_M,

@@ -1,7 +1,7 @@
 //! A part of a record: its beginning, or some of its samples.
 
 use crate::problem::segment::{
-    InputChannel, InputErrors, Observations, Samples, Segment, SensorRecord, SensorSample,
+    InputChannel, InputErrors, Observations, Segment, SensorRecord, SensorSample,
 };
 
 /// Samples per sensor in a segment that lead as close as all of them in a fraction of the time.
@@ -60,10 +60,9 @@ pub(crate) fn at_times(segment: &Segment, kept: &[usize]) -> Segment {
     };
     Segment {
         label: segment.label.clone(),
-        samples: Samples::default(),
         observations,
         firings: segment.firings.clone(),
-        accelerations: None,
+        ..Segment::default()
     }
 }
 

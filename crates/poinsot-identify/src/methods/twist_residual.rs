@@ -67,10 +67,7 @@ pub(crate) fn twist(
         name: name.to_owned(),
         unit,
         rms: (square / count).sqrt(),
-        chi2_per_number: None,
-        whiteness_p: None,
-        power_p: None,
-        octaves: Vec::new(),
+        ..ChannelFit::default()
     };
     let mut channels = vec![channel("gyro", "rad/s", rate)];
     if s.translation.is_some() {

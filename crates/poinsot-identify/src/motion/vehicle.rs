@@ -93,14 +93,17 @@ impl<'a> Vehicle<'a> {
         let mut spin = nominal_spin.to_vec();
         let mut thrust_factor = vec![1.0; thrusters.len()];
         let (mut torque_B, mut torque_N) = (Vector3::zeros(), Vector3::zeros());
-        let mut drag = Vector3::zeros();
-        for (unknown, value) in parameters.unknowns.iter().zip(x) {
+        let (mut drag, mut late_thrusters) = (Vector3::zeros(), Vec::new());
+        for (u, (unknown, value)) in parameters.unknowns.iter().zip(x).enumerate() {
             match unknown.kind {
                 UnknownKind::SpinInertia(k) => spin[k] = *value,
                 UnknownKind::ThrusterScale(k) => thrust_factor[k] = 1.0 + value,
                 UnknownKind::DisturbanceTorque(k) => torque_B[k] = *value,
                 UnknownKind::InertialTorque(k) => torque_N[k] = *value,
                 UnknownKind::DragTorque(k) => drag[k] = *value,
+                UnknownKind::ThrusterLag(ref list) => {
+                    late_thrusters.push((u, list.clone(), *value))
+                }
                 _ => {}
             }
         }
@@ -134,7 +137,7 @@ impl<'a> Vehicle<'a> {
             virtual_joints,
             curves: None,
             tilt_slopes: tilt_slopes(parameters, x),
-            late_thrusters: late_thrusters(parameters, x),
+            late_thrusters,
             gm: parameters.gm,
             propellant: thrusters
                 .iter()
@@ -218,15 +221,6 @@ fn input_faults(parameters: &Parameters, x: &[f64]) -> Vec<InputFault> {
             value: *value,
         })
         .collect()
-}
-
-fn late_thrusters(parameters: &Parameters, x: &[f64]) -> Vec<(usize, Vec<usize>, f64)> {
-    let all = parameters.unknowns.iter().zip(x).enumerate();
-    all.filter_map(|(unknown, (u, value))| match &u.kind {
-        UnknownKind::ThrusterLag(list) => Some((unknown, list.clone(), *value)),
-        _ => None,
-    })
-    .collect()
 }
 
 /// The tree with its wheels' axes tilted as the unknowns say: `a = (a0 + sum t_i e_i x a0)`, made a unit vector.

@@ -295,7 +295,7 @@ pub struct SegmentFit {
 }
 
 /// Fit of one sensor in one segment.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct ChannelFit {
     /// Kind: gyro, attitude, velocity, position, accelerometer, velocity_increment; `<kind>.<sensor>` where several
     /// sensors share the kind.

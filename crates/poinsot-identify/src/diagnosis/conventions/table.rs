@@ -397,8 +397,7 @@ impl Convention {
     pub fn repair(&self, problem: &Problem) -> Option<Repair> {
         let model = problem.model;
         let of_joint = |k: &usize| -> Vec<String> {
-            let at = problem.tree.coordinates.get(*k);
-            let joint = at.and_then(|at| model.joints.get(*at));
+            let joint = problem.registry().joint(*k);
             let mut segments = problem.segments.iter();
             let measured = segments.any(|s| s.observations.joint(*k).rate == InputRate::Measured);
             let rate = measured && !matches!(self.change, Change::Offset(_));

@@ -11,7 +11,7 @@ use crate::problem::segment::Segment;
 use poinsot_dynamics::propagation::{ModeNumber, SpringNumber};
 use poinsot_dynamics::{SensorError, Tree};
 use poinsot_model::{
-    ErrorKey, JointKind, KnownNumber, Model, Nuisance, Sensor, SensorKind, printed_unit,
+    ErrorKey, Joint, JointKind, KnownNumber, Model, Nuisance, Sensor, SensorKind, printed_unit,
 };
 use poinsot_spatial::Vector3;
 use std::f64::consts::TAU;
@@ -267,7 +267,7 @@ pub(crate) struct Registry<'a> {
     pub segments: &'a [Segment],
 }
 
-impl Registry<'_> {
+impl<'a> Registry<'a> {
     /// Entry of a number. `None` of mass properties, and of numbers that others make: known ones, and columns of others.
     pub fn entry(&self, kind: &UnknownKind) -> Option<Entry> {
         match *kind {
@@ -333,14 +333,17 @@ impl Registry<'_> {
         Some(declared.changes(KnownNumber::WheelAxis(k)))
     }
 
+    /// The joint of a coordinate.
+    pub fn joint(&self, coordinate: usize) -> Option<&'a Joint> {
+        let at = self.tree.coordinates.get(coordinate)?;
+        self.model.joints.get(*at)
+    }
+
     /// The natural scale of a damping is the critical one of the whole vehicle; a spring without stiffness turns it once in a minute.
     fn of_spring(&self, kind: &UnknownKind, (k, number): (usize, SpringNumber)) -> Option<Entry> {
         let passive = self.model.passive_joints(self.tree);
         let own = passive.joints().get(k)?;
-        let joint = self
-            .model
-            .joints
-            .get(*self.tree.coordinates.get(own.coordinate)?)?;
+        let joint = self.joint(own.coordinate)?;
         let slides = joint.slides();
         let (mass, inertia) = self.whole();
         let moved = if slides { mass } else { inertia };
