@@ -39,17 +39,6 @@ pub(super) struct Score {
     pub covariance: DMatrix<f64>,
 }
 
-impl Score {
-    /// Of numbers without columns.
-    fn nothing(numbers: usize) -> Self {
-        Self {
-            decrease: 0.0,
-            values: vec![0.0; numbers],
-            covariance: DMatrix::from_diagonal_element(numbers, numbers, f64::INFINITY),
-        }
-    }
-}
-
 impl Projected {
     /// So many numbers, without columns as yet.
     pub fn new(numbers: usize) -> Self {
@@ -102,15 +91,20 @@ impl Projected {
 
     /// A group of candidates at once, each held near zero by a prior sigma where one is given. All are of one block.
     pub fn score(&self, group: &[usize], prior: Option<f64>) -> Score {
+        let n = group.len();
         let places: Option<Vec<(usize, usize)>> = group.iter().map(|k| self.places[*k]).collect();
-        let Some((places, &(block, _))) = places.as_ref().and_then(|p| Some((p, p.first()?)))
-        else {
-            return Score::nothing(group.len());
-        };
-        let columns: Vec<usize> = places.iter().map(|p| p.1).collect();
-        match places.iter().all(|p| p.0 == block) {
-            true => self.blocks[block].score(&columns, prior),
-            false => Score::nothing(group.len()),
+        let places = places.filter(|all| all.windows(2).all(|w| w[0].0 == w[1].0));
+        match places.as_deref() {
+            Some(places @ [(block, _), ..]) => {
+                let columns: Vec<usize> = places.iter().map(|p| p.1).collect();
+                self.blocks[*block].score(&columns, prior)
+            }
+            // Numbers without columns.
+            _ => Score {
+                decrease: 0.0,
+                values: vec![0.0; n],
+                covariance: DMatrix::from_diagonal_element(n, n, f64::INFINITY),
+            },
         }
     }
 }
