@@ -47,11 +47,12 @@ pub(crate) fn check_telemetry(
         if let Some(index) = fault.index {
             here = here.index(index);
         }
-        if !fault.key.is_empty() {
-            here = here.at(fault.key);
+        let refused = fault.refused;
+        if !refused.key.is_empty() {
+            here = here.at(refused.key);
         }
-        let problem = excerpt(&fault.problem, LONGEST);
-        findings.refuse(fault.code, &here, problem, excerpt(&fault.remedy, LONGEST));
+        let [problem, remedy] = [&refused.problem, &refused.remedy].map(|s| excerpt(s, LONGEST));
+        findings.refuse(refused.code, &here, problem, remedy);
     }
     map
 }

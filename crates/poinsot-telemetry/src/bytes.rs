@@ -33,11 +33,6 @@ pub(crate) struct SharedFile {
 }
 
 impl SharedFile {
-    fn new(content: impl Content + 'static, len: u64) -> Self {
-        let content = Arc::new(Mutex::new(content));
-        Self { content, len }
-    }
-
     /// A reader of its own, from this byte.
     pub fn reader_at(&self, start: u64) -> FromByte {
         let file = self.clone();
@@ -71,22 +66,22 @@ pub(crate) struct Opened {
 }
 
 impl Opened {
+    fn new(content: impl Content + 'static, len: u64, before: Option<Metadata>) -> Self {
+        let content = Arc::new(Mutex::new(content));
+        let file = SharedFile { content, len };
+        Self { file, before }
+    }
+
     /// Opens a stream that was copied to a file.
     pub(crate) fn stream(file: File) -> io::Result<Self> {
         let len = file.metadata()?.len();
-        Ok(Self {
-            file: SharedFile::new(file, len),
-            before: None,
-        })
+        Ok(Self::new(file, len, None))
     }
 
     /// The content of a file in memory.
     pub(crate) fn bytes(bytes: Vec<u8>) -> Self {
         let len = bytes.len() as u64;
-        Self {
-            file: SharedFile::new(Cursor::new(bytes), len),
-            before: None,
-        }
+        Self::new(Cursor::new(bytes), len, None)
     }
 
     /// The first bytes; fewer if the file is shorter.
@@ -122,10 +117,7 @@ pub(crate) fn open(path: &Path) -> Result<Opened, Faults> {
         ),
     });
     let (file, before) = opened?;
-    Ok(Opened {
-        file: SharedFile::new(file, before.len()),
-        before: Some(before),
-    })
+    Ok(Opened::new(file, before.len(), Some(before)))
 }
 
 /// Checks that the path still names the opened file.

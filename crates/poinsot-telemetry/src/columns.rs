@@ -103,12 +103,6 @@ impl Columns {
         std::mem::replace(self, next)
     }
 
-    /// Keeps the channels marked in `keep`.
-    pub(crate) fn keep_channels(&mut self, keep: &[bool]) {
-        filter(&mut self.values, keep);
-        filter(&mut self.nan_cells, keep);
-    }
-
     /// Sorts the rows by time; rows of one time keep their order.
     pub(crate) fn sort(&mut self) {
         if self.time_s.is_sorted() {
@@ -140,7 +134,7 @@ impl Columns {
 }
 
 /// Keeps what is marked.
-fn filter<T>(v: &mut Vec<T>, keep: &[bool]) {
+pub(crate) fn filter<T>(v: &mut Vec<T>, keep: &[bool]) {
     let mut keep = keep.iter();
     v.retain(|_| keep.next().copied().unwrap_or(true));
 }

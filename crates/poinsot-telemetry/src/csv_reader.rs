@@ -5,6 +5,7 @@ use crate::columns::Columns;
 use crate::csv_rows::{CsvRows, Row};
 use crate::error::shown;
 use crate::intake::Intake;
+use crate::map::mark;
 use crate::number::{self, Cell, RawCell};
 use crate::packing::{Packing, damaged};
 use crate::plan::{self, Plan};
@@ -25,16 +26,12 @@ pub(crate) fn read(
 ) -> Result<(Plan, Columns), Faults> {
     let (text, rows) = unpacked(path, opened)?;
     let layout = options.map.for_file(path).layout;
-    let (delimiter, comment) = (layout.separator(), layout.comment_sign());
-    let named = match layout.header_row {
-        Some(line) => Some(named_header(
-            path,
-            opened,
-            line,
-            (delimiter, options.encoding),
-        )?),
-        None => None,
-    };
+    let delimiter = layout.delimiter.as_deref().and_then(mark).unwrap_or(b',');
+    let comment = layout.comment.as_deref().and_then(mark);
+    let read_as = (delimiter, options.encoding);
+    let named = layout.header_row;
+    let named = named.map(|line| named_header(path, opened, line, read_as));
+    let named = named.transpose()?;
     let above = named.as_ref().map_or(0, |n| n.lines);
     let mut reader = CsvRows::new(TextBytes::new(text, above), delimiter, comment);
     let header = match named {
@@ -42,9 +39,11 @@ pub(crate) fn read(
         None => header(path, &mut reader, (comment, options))?,
     };
     let units = match layout.units_row {
-        Some(true) => units(path, &mut reader, (above, options))?,
+        Some(true) => readable(path, reader.next_whole_row())?,
         _ => None,
     };
+    let units = units.map(|row| header_of(path, above + row.line, &row, options.encoding));
+    let units = units.transpose()?;
     let plan = plan::build(path, &header, units.as_deref(), options)?;
     let mut intake = Intake::new(path, &plan, options);
     if full.is_none() {
@@ -169,7 +168,9 @@ fn header(
     };
     let line = row.line;
     let header = header_of(path, line, &row, options.encoding)?;
-    if let Some(first) = no_header(&header, comment) {
+    // The character that says that the first row is not a header.
+    let first = header.first().and_then(|name| name.chars().next());
+    if let Some(first) = first.filter(|sign| SIGNS.contains(sign) && comment.is_none()) {
         let problem = format!("the first row begins with '{first}'");
         let advice = format!(
             "write [telemetry] header_row = {line} if it has the names, header_row = N for a header in line N, or comment = \"{first}\" if such lines are comments"
@@ -178,17 +179,6 @@ fn header(
         return Err(Faults::one("E0205", place, problem, advice));
     }
     Ok(header)
-}
-
-/// The row of units below the header.
-fn units(
-    path: &Path,
-    reader: &mut CsvRows<impl Read>,
-    (above, options): (u64, &ReadOptions),
-) -> Result<Option<Vec<String>>, Faults> {
-    let row = readable(path, reader.next_whole_row())?;
-    row.map(|row| header_of(path, above + row.line, &row, options.encoding))
-        .transpose()
 }
 
 /// Adds one data row to the columns; on error part of the row may have been added.
@@ -271,13 +261,6 @@ fn header_of(
         header.push(text.trim().to_owned());
     }
     Ok(header)
-}
-
-/// The character that says that the first row is not a header.
-fn no_header(header: &[String], comment: Option<u8>) -> Option<char> {
-    let first = header.first()?.chars().next()?;
-    let usual = SIGNS.contains(&first);
-    (usual && comment.is_none()).then_some(first)
 }
 
 /// What was read of the text; an error names the file.

@@ -87,13 +87,24 @@ pub(crate) fn shown(cell: &[u8]) -> String {
     short
 }
 
-/// A fault of a key of one entry; the key is empty for the entry itself.
-#[derive(Debug)]
-pub(crate) struct Refused {
+/// A fault of a key of one entry.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Refused {
+    /// Code of the fault.
     pub code: &'static str,
+    /// The key; empty for the entry itself.
     pub key: &'static str,
+    /// What is wrong.
     pub problem: String,
+    /// What to do.
     pub remedy: String,
+}
+
+impl Refused {
+    /// The fault in the map of a channel.
+    pub(crate) fn of(self, channel: &str) -> Faults {
+        map_of(self.code, channel, self.problem, self.remedy)
+    }
 }
 
 /// Refuses what the value of a key means: E0212.

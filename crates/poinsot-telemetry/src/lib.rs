@@ -123,6 +123,7 @@ pub use conventions::{
     convention_tests, unit_mistake,
 };
 pub use differentiate::{differentiate, integral};
+pub use error::Refused;
 pub use inspect::{ChannelSummary, Inspection, inspect};
 pub use inspect_parts::inspect_files;
 pub use instant::{Origin, Scale};

@@ -90,18 +90,6 @@ pub struct Layout {
     pub units_row: Option<bool>,
 }
 
-impl Layout {
-    /// The separator of fields; a comma without one.
-    pub(crate) fn separator(&self) -> u8 {
-        self.delimiter.as_deref().and_then(mark).unwrap_or(b',')
-    }
-
-    /// The sign of a comment.
-    pub(crate) fn comment_sign(&self) -> Option<u8> {
-        self.comment.as_deref().and_then(mark)
-    }
-}
-
 /// A character that is in no number or name.
 pub(crate) fn mark(text: &str) -> Option<u8> {
     let in_number = |byte: u8| byte.is_ascii_alphanumeric() || b"\".-+\n\r".contains(&byte);

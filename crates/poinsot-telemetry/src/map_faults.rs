@@ -13,22 +13,16 @@ use std::collections::HashMap;
 /// A fault of a map, with its key.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MapFault {
-    /// Code of the fault.
-    pub code: &'static str,
     /// Index in [`TelemetryMap::files`]; `None` for the map of every file.
     pub file: Option<usize>,
-    /// Key path below that entry.
+    /// Path below that entry of what is refused.
     pub keys: Vec<String>,
-    /// Index in a list.
+    /// Its index, where the path leads to a list.
     pub index: Option<usize>,
-    /// Key of that entry; empty for the entry itself.
-    pub key: &'static str,
     /// The mapped channel.
     pub channel: String,
-    /// What is wrong.
-    pub problem: String,
-    /// What to do.
-    pub remedy: String,
+    /// What is refused of it.
+    pub refused: Refused,
 }
 
 /// All faults of a map.
@@ -53,20 +47,14 @@ pub fn map_faults(map: &TelemetryMap) -> Vec<MapFault> {
 /// Faults of the map of one kind of file.
 fn file_faults(map: &FileMap, units_row: bool) -> Vec<MapFault> {
     let mut faults = Vec::new();
-    let mut add = |table: &[&str], index: Option<usize>, channel: &str, found: Option<Refused>| {
-        let Some(found) = found else { return };
-        let below = Some(found.key).filter(|key| index.is_none() && !key.is_empty());
-        let keys = table.iter().copied().chain(below);
-        faults.push(MapFault {
-            code: found.code,
+    let mut add = |keys: &[&str], index: Option<usize>, channel: &str, found: Option<Refused>| {
+        faults.extend(found.map(|refused| MapFault {
             file: None,
-            keys: keys.map(str::to_owned).collect(),
+            keys: keys.iter().copied().map(str::to_owned).collect(),
             index,
-            key: index.map_or("", |_| found.key),
             channel: channel.to_owned(),
-            problem: found.problem,
-            remedy: found.remedy,
-        });
+            refused,
+        }));
     };
     let (delimiter, comment) = (&map.layout.delimiter, &map.layout.comment);
     let remedy = "write \",\", \";\", \"|\", \"tab\" or \"space\"";

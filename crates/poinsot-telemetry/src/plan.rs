@@ -197,8 +197,7 @@ impl Planner<'_> {
             return Ok(None);
         };
         let resolved = resolve(map, self.units.is_some());
-        let (name, unit) =
-            resolved.map_err(|r| map_of(r.code, &map.channel, r.problem, r.remedy))?;
+        let (name, unit) = resolved.map_err(|refused| refused.of(&map.channel))?;
         let needs_unit = map.nominal_N.is_none() && map.counts_per_revolution.is_none();
         let unit = match unit {
             None if needs_unit => Some(self.unit_below(index, &name)?.ok_or_else(|| {

@@ -1,16 +1,16 @@
 //! Reads files into a table.
 
 use crate::bytes::{check_unchanged, is_standard_input, open, unreadable};
-use crate::columns::Columns;
+use crate::columns::{Columns, filter};
 use crate::content_hash::hashed;
-use crate::error::{map_of, no_match, no_rows};
+use crate::error::{no_match, no_rows};
 use crate::memory::Spooled;
 use crate::packing::unpacked_name;
 use crate::plan::{Plan, PlannedChannel};
 use crate::selection::WhenFull;
 use crate::{
-    FileMap, Part, ReadOptions, Source, Table, Turned, assemble, check_conventions, csv_reader,
-    full_name, map_faults, memory, mount, orbital, parquet_reader, plan, time_base,
+    Part, ReadOptions, Source, Table, Turned, assemble, check_conventions, csv_reader, full_name,
+    map_faults, memory, mount, orbital, parquet_reader, plan, time_base,
 };
 use poinsot_files::{Faults, Place, as_read};
 use std::collections::HashSet;
@@ -66,12 +66,7 @@ pub fn read<P: AsRef<Path>>(paths: &[P], options: &ReadOptions) -> Result<Table,
 /// ```
 pub fn read_parts(parts: &[Part], options: &ReadOptions) -> Result<Table, Faults> {
     if let Some(fault) = map_faults(&options.map).into_iter().next() {
-        return Err(map_of(
-            fault.code,
-            &fault.channel,
-            fault.problem,
-            fault.remedy,
-        ));
+        return Err(fault.refused.of(&fault.channel));
     }
     let mut reading = Reading {
         options,
@@ -112,19 +107,20 @@ struct Reading<'a> {
 }
 
 impl Reading<'_> {
-    /// Options of a source, with its own map.
-    fn options(&self, map: FileMap) -> ReadOptions {
-        ReadOptions {
-            origin: self.table.origin.or(self.options.origin),
-            ..self.options.with_map(map)
-        }
-    }
-
     /// Reads a source.
     fn part(&mut self, part: &Part) -> Result<(), Faults> {
         let path = part.path();
-        let options = self.options(self.options.map.for_file(path));
-        let (plan, mut columns, sha256) = read_part(part, &options, &mut self.table.repairs)?;
+        let options = ReadOptions {
+            origin: self.table.origin.or(self.options.origin),
+            ..self.options.with_map(self.options.map.for_file(path))
+        };
+        let repairs = &mut self.table.repairs;
+        let read = match part {
+            Part::File(path) => decode(path, None, &options, repairs, None),
+            Part::Stream(stream) => decode(path, Some(stream), &options, repairs, None),
+            Part::Memory(columns) => memory::read(columns, &options),
+        };
+        let (mut plan, mut columns, sha256) = read?;
         check_any_row(path, &plan, &columns, &options)?;
         self.table.origin = columns.origin.or(options.origin);
         self.unused.mark(path, &plan);
@@ -153,9 +149,13 @@ impl Reading<'_> {
                 columns.time_s.last().copied().unwrap_or_default(),
             ],
         });
-        let mut plan = plan;
         self.without_rows(path, &mut plan, &mut columns);
-        self.add(path, &plan, columns, &options)
+        let (strict, table) = (options.strict, &mut self.table);
+        time_base::check(path, &plan, &mut columns, strict, &mut table.repairs)?;
+        if options.one_run {
+            time_base::check_one_run(path, &plan, &columns)?;
+        }
+        assemble::add(path, &plan, columns, strict, &mut self.found, table)
     }
 
     /// Leaves out the channels for which there is no row.
@@ -188,25 +188,10 @@ impl Reading<'_> {
                 ));
             }
             let keep: Vec<bool> = plan.channels.iter().map(|c| !own(c)).collect();
-            columns.keep_channels(&keep);
-            let mut keep = keep.into_iter();
-            plan.channels.retain(|_| keep.next() == Some(true));
+            filter(&mut columns.values, &keep);
+            filter(&mut columns.nan_cells, &keep);
+            filter(&mut plan.channels, &keep);
         }
-    }
-
-    fn add(
-        &mut self,
-        path: &Path,
-        plan: &Plan,
-        mut columns: Columns,
-        options: &ReadOptions,
-    ) -> Result<(), Faults> {
-        let (strict, table) = (options.strict, &mut self.table);
-        time_base::check(path, plan, &mut columns, strict, &mut table.repairs)?;
-        if options.one_run {
-            time_base::check_one_run(path, plan, &columns)?;
-        }
-        assemble::add(path, plan, columns, strict, &mut self.found, table)
     }
 }
 
@@ -225,19 +210,6 @@ pub(crate) fn read_file_in_parts(
     decode(path, None, &options, repairs, Some(take))
 }
 
-fn read_part(
-    part: &Part,
-    options: &ReadOptions,
-    repairs: &mut Vec<String>,
-) -> Result<(Plan, Columns, String), Faults> {
-    let path = part.path();
-    match part {
-        Part::File(path) => decode(path, None, options, repairs, None),
-        Part::Stream(stream) => decode(path, Some(stream), options, repairs, None),
-        Part::Memory(columns) => memory::read(columns, options),
-    }
-}
-
 /// Returns an error if the selection of rows or times is empty.
 fn check_any_row(
     path: &Path,
@@ -245,9 +217,10 @@ fn check_any_row(
     columns: &Columns,
     options: &ReadOptions,
 ) -> Result<(), Faults> {
-    if columns.time_s.is_empty()
-        && let Some((column, text)) = options.map.all.row_filter.first()
-    {
+    if !columns.time_s.is_empty() {
+        return Ok(());
+    }
+    if let Some((column, text)) = options.map.all.row_filter.first() {
         let problem = format!("no row of {} matches", path.display());
         let advice = format!(
             "choose among the values there, the first are {}",
@@ -255,9 +228,7 @@ fn check_any_row(
         );
         return Err(no_match(column, text, problem, advice));
     }
-    if columns.time_s.is_empty()
-        && let Some([from, to]) = options.time_s
-    {
+    if let Some([from, to]) = options.time_s {
         let text = format!("{},{}", as_read(from), as_read(to));
         let problem = format!("no row of {} lies between these times, s", path.display());
         let advice = "choose times of the record (`poinsot inspect` shows them)";

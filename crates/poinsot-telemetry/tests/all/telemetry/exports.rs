@@ -489,5 +489,5 @@ fn exact_a_momentum_is_a_speed_by_the_spin_inertia() {
     );
     let torque = ColumnMap::new("rw1_Nm", "H1", "N m s");
     let fault = poinsot_telemetry::map_faults(&map_of(vec![torque], Vec::new())).remove(0);
-    assert_eq!(fault.problem, "unit 'N m s' does not measure it");
+    assert_eq!(fault.refused.problem, "unit 'N m s' does not measure it");
 }

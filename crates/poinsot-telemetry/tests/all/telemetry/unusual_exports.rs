@@ -194,10 +194,11 @@ fn regress_keys_without_a_meaning_for_times_are_refused() {
         };
         let fault = map_faults(&of(all).map).remove(0);
         assert_eq!(
-            (fault.code, fault.keys),
+            (fault.refused.code, fault.refused.key, fault.keys),
             (
                 "E0212",
-                ["columns", "time_s", key].map(str::to_owned).to_vec()
+                key,
+                ["columns", "time_s"].map(str::to_owned).to_vec()
             )
         );
     }
