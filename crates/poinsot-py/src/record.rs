@@ -2,9 +2,7 @@
 
 use crate::arrays::column;
 use numpy::PyArray1;
-use poinsot_telemetry::{
-    Channel, MemoryColumns, Part, ReadOptions, Table, Values, full_name, read_parts,
-};
+use poinsot_telemetry::{Channel, MemoryColumns, Part, ReadOptions, Table, Values, read_parts};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
@@ -82,7 +80,7 @@ impl CoreRecord {
         for channel in &table.channels {
             let time = PyArray1::from_slice(py, &channel.time_s);
             let values = PyArray1::from_slice(py, &channel.values);
-            out.set_item(full_name(&channel.sensor, &channel.name), (time, values))?;
+            out.set_item(channel.full(), (time, values))?;
         }
         Ok(out)
     }
@@ -100,10 +98,7 @@ fn plain() -> ReadOptions {
 pub fn record_of(name: &str, table: &Table) -> CoreRecord {
     let mut bases: Vec<(&Channel, MemoryColumns)> = Vec::new();
     for channel in &table.channels {
-        let column = (
-            full_name(&channel.sensor, &channel.name),
-            Values::Numbers(channel.values.clone()),
-        );
+        let column = (channel.full(), Values::Numbers(channel.values.clone()));
         match bases.iter_mut().find(|b| b.0.time_s == channel.time_s) {
             Some((_, memory)) => memory.columns.push(column),
             None => {

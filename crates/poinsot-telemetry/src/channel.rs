@@ -1,7 +1,7 @@
 //! A measured quantity with its time base, and the table of channels.
 
 use crate::Origin;
-use crate::channel_name::components;
+use crate::channel_name::{components, full_name};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::sync::Arc;
@@ -49,6 +49,13 @@ pub struct Source {
     pub rows: usize,
     /// First and last time, s.
     pub time_s: [f64; 2],
+}
+
+impl Channel {
+    /// Name with the sensor, as in a column.
+    pub fn full(&self) -> String {
+        full_name(&self.sensor, &self.name)
+    }
 }
 
 impl Table {

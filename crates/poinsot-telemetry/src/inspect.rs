@@ -3,7 +3,7 @@
 use crate::conventions::{ConventionTest, convention_tests};
 use crate::median::{ends, median_step};
 use crate::noise::noise_level;
-use crate::{Channel, Source, Table, full_name, suggestions};
+use crate::{Channel, Source, Table, suggestions};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -79,10 +79,7 @@ pub struct ChannelSummary {
 /// ```
 pub fn inspect(table: &Table) -> Inspection {
     let channels: Vec<ChannelSummary> = table.channels.iter().filter_map(summarise).collect();
-    let span = channels.iter().map(|c| c.time_s).reduce(|a, b| {
-        let ([a0, a1], [b0, b1]) = (a, b);
-        [a0.min(b0), a1.max(b1)]
-    });
+    let span = channels.iter().map(|c| c.time_s).reduce(hull);
     Inspection {
         sources: table.sources.clone(),
         time_s: span,
@@ -96,6 +93,11 @@ pub fn inspect(table: &Table) -> Inspection {
     }
 }
 
+/// The shortest range that holds both.
+pub(crate) fn hull([a0, a1]: [f64; 2], [b0, b1]: [f64; 2]) -> [f64; 2] {
+    [a0.min(b0), a1.max(b1)]
+}
+
 fn summarise(channel: &Channel) -> Option<ChannelSummary> {
     let step = median_step(&channel.time_s);
     let steps = channel.time_s.windows(2).map(|t| t[1] - t[0]);
@@ -106,7 +108,7 @@ fn summarise(channel: &Channel) -> Option<ChannelSummary> {
     let noise = noise_level(channel);
     let [min, max] = ends(&channel.values);
     Some(ChannelSummary {
-        name: full_name(&channel.sensor, &channel.name),
+        name: channel.full(),
         unit: channel.unit.clone(),
         frame: channel.frame.clone(),
         samples: channel.values.len(),

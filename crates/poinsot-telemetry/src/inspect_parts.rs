@@ -3,7 +3,7 @@
 use crate::checks::{Finding, SHOWN};
 use crate::columns::Columns;
 use crate::error::no_rows;
-use crate::inspect::{ChannelSummary, Inspection, notes};
+use crate::inspect::{ChannelSummary, Inspection, hull, notes};
 use crate::plan::{self, Plan};
 use crate::read::{read, read_file_in_parts};
 use crate::selection::TOO_LARGE;
@@ -127,12 +127,6 @@ impl Parts<'_> {
         if columns.rows.is_empty() {
             return Ok(());
         }
-        table.sources.push(Source {
-            path: self.path.display().to_string(),
-            sha256: String::new(),
-            rows: columns.rows.len(),
-            time_s: [0.0; 2],
-        });
         let mut found = assemble::Found::default();
         assemble::add(self.path, plan, columns, strict, &mut found, &mut table)?;
         add(&mut self.seen, inspect(&table));
@@ -153,10 +147,7 @@ fn add(all: &mut Option<Inspection>, part: Inspection) {
             None => all.channels.push(channel),
         }
     }
-    all.time_s = match (all.time_s, part.time_s) {
-        (Some([a0, a1]), Some([b0, b1])) => Some([a0.min(b0), a1.max(b1)]),
-        (one, other) => one.or(other),
-    };
+    all.time_s = all.time_s.into_iter().chain(part.time_s).reduce(hull);
     for test in part.conventions {
         let same = |t: &&mut crate::ConventionTest| t.between == test.between;
         match all.conventions.iter_mut().find(same) {

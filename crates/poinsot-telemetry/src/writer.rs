@@ -1,12 +1,12 @@
 //! Writes channels to CSV or Parquet; reading them back gives the same bits.
 
+use crate::Channel;
 use crate::cursor::{Cursor, cursors};
 use crate::error::{parquet, unreadable};
 #[cfg(not(feature = "parquet"))]
 use crate::parquet_reader::ABSENT;
 #[cfg(feature = "parquet")]
 use crate::parquet_writer::ParquetRows;
-use crate::{Channel, full_name};
 use poinsot_files::{Faults, Place, Stage, folder_of};
 use std::borrow::Cow;
 use std::collections::HashSet;
@@ -108,7 +108,7 @@ impl<'f> RowWriter<'f> {
     fn open(file: &'f mut File, path: &'f Path, channels: &'f [Channel]) -> Result<Self, Faults> {
         let written = f64::NEG_INFINITY;
         check(path, channels, written)?;
-        let names = channels.iter().map(|c| full_name(&c.sensor, &c.name));
+        let names = channels.iter().map(|c| c.full());
         let rows = match path.extension().and_then(|e| e.to_str()) {
             #[cfg(not(feature = "parquet"))]
             Some("parquet" | "pq") => return Err(parquet(Place::file(path), ABSENT)),
@@ -200,7 +200,7 @@ fn unwritten(mut faults: Faults) -> Faults {
 fn check(path: &Path, channels: &[Channel], after: f64) -> Result<(), Faults> {
     let mut names = HashSet::new();
     for c in channels {
-        let name = full_name(&c.sensor, &c.name);
+        let name = c.full();
         let mut pairs = c.time_s.iter().zip(c.time_s.iter().skip(1));
         let later = |t: &f64| t.is_finite() && *t > after;
         let increase = pairs.all(|(a, b)| a < b) && c.time_s.iter().all(later);

@@ -65,9 +65,9 @@ pub(super) fn find(table: &Table) -> Option<Finding> {
         rounded(without, 4),
         rounded(least, 4)
     );
-    let name = format!("{}..z", full_name(&x.sensor, &x.name));
+    let name = format!("{}..z", x.full());
     let all = x.values.len();
-    let channels = own.iter().map(|c| full_name(&c.sensor, &c.name)).collect();
+    let channels = own.iter().map(|c| c.full()).collect();
     let change = Change::Late(lag.abs());
     Some(Finding {
         count: all,

@@ -10,7 +10,7 @@ mod saturation;
 mod stuck;
 mod wrap;
 
-use crate::{Change, Channel, Dimension, Repair, Table, full_name, median_step};
+use crate::{Change, Channel, Dimension, Repair, Table, median_step};
 use poinsot_files::{Faults, Place, counted};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -220,9 +220,8 @@ impl Finding {
     /// Samples of a channel, given their indices.
     fn of_channel(check: Check, channel: &Channel, (samples, text): (Vec<usize>, String)) -> Self {
         let times = samples.iter().filter_map(|&k| channel.time_s.get(k));
-        let name = full_name(&channel.sensor, &channel.name);
-        let all = channel.values.len();
-        Self::new(check, name, all, times.copied().collect(), text)
+        let (all, times) = (channel.values.len(), times.copied().collect());
+        Self::new(check, channel.full(), all, times, text)
     }
 }
 
@@ -339,10 +338,9 @@ fn per_channel(table: &Table, check: Check, find: Find) -> Vec<Finding> {
             let found = find(channel)?;
             let value = found.0.first().and_then(|k| channel.values.get(*k));
             let value = value.filter(|_| check == Check::Placeholder);
-            let name = full_name(&channel.sensor, &channel.name);
             Some(Finding {
                 places: places.clone(),
-                repair: value.map(|x| Repair::of(&name, Change::Invalid(*x))),
+                repair: value.map(|x| Repair::of(&channel.full(), Change::Invalid(*x))),
                 ..Finding::of_channel(check, channel, found)
             })
         };
@@ -387,8 +385,7 @@ fn gaps(channel: &Channel) -> Option<Finding> {
             "{}, the longest {longest:.6} s, {lost:.6} s lost in all; no value is interpolated across them",
             counted(long.len(), "gap")
         );
-        let name = full_name(&channel.sensor, &channel.name);
-        let begins = long.iter().map(|g| g.0).collect();
-        Finding::new(Check::Gap, name, channel.values.len(), begins, text)
+        let (all, begins) = (channel.values.len(), long.iter().map(|g| g.0).collect());
+        Finding::new(Check::Gap, channel.full(), all, begins, text)
     })
 }

@@ -2,7 +2,7 @@
 
 use crate::channel_name::components;
 use crate::median::median;
-use crate::{Channel, Table, classify, full_name};
+use crate::{Channel, Table, classify};
 
 /// The channels of one vector sensor on one time base.
 pub(super) struct Sensor {
@@ -25,11 +25,11 @@ pub(super) fn sensors(table: &Table) -> Vec<Sensor> {
         let own = table.at(&channels);
         let (first, last) = (own.first()?, components(prefix).last()?);
         let together = own.iter().all(|c| c.time_s == first.time_s);
-        let first = full_name(&first.sensor, &first.name);
+        let name = format!("{}..{last}", first.full());
         together.then(|| Sensor {
             channels,
             is_attitude: prefix == "q",
-            name: format!("{first}..{last}"),
+            name,
         })
     };
     all.filter_map(of).collect()
@@ -44,7 +44,7 @@ pub(super) fn inputs(table: &Table) -> Vec<Sensor> {
         (scalar && units.contains(&channel.unit.as_str())).then(|| Sensor {
             channels: vec![k],
             is_attitude: false,
-            name: full_name(&channel.sensor, &channel.name),
+            name: channel.full(),
         })
     };
     all.filter_map(of).collect()

@@ -153,7 +153,7 @@ fn ownerless(model: &Model, table: &Table, label: &str, repairs: &mut Vec<String
             if !declared && !shared {
                 repairs.push(format!(
                     "{label}: column '{}' and its companions match no {} of the model and are not used; declare [[sensor]] type = \"{}\", name = \"{}\"{}",
-                    full_name(&channel.sensor, &channel.name),
+                    channel.full(),
                     kind.word().replace('_', " "),
                     kind.declared_as().word(),
                     channel.sensor,
@@ -271,7 +271,7 @@ pub(super) fn check_plausible(channels: &Channels) -> Result<(), Error> {
                 .and_then(|(_, most, unit)| beyond(channel, *most, unit)),
         };
         if let Some((at, why)) = fault {
-            let name = full_name(&channel.sensor, &channel.name);
+            let name = channel.full();
             let value = as_read(channel.values.get(at).copied().unwrap_or_default());
             let time_s = channel.time_s.get(at).copied().unwrap_or_default();
             let place = Place::label(channels.label).key(&format!("channel '{name}'"));
