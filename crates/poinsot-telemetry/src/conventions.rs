@@ -124,7 +124,9 @@ impl ConventionTest {
         } else {
             undecided("another convention fits better, but not clearly".to_owned())
         };
-        self.readings = all.iter().filter(|h| h.is_listed()).cloned().collect();
+        // Readings of one row that turns no axes are listed.
+        let is_listed = |h: &&Hypothesis| h.repairs().len() < 2 && h.is_along();
+        self.readings = all.iter().filter(is_listed).cloned().collect();
         // Of a place and its rate, either may be wrong: one reading.
         self.readings.dedup_by_key(|h| h.residual);
         let mut good: Vec<Hypothesis> =
@@ -255,8 +257,7 @@ pub fn check_conventions(table: &Table) -> Result<(), Faults> {
 
 /// The names of channels.
 fn names(channels: &[&Channel]) -> Vec<String> {
-    let name = |c: &&Channel| full_name(&c.sensor, &c.name);
-    channels.iter().map(name).collect()
+    channels.iter().map(|c| c.full()).collect()
 }
 
 /// An attitude against a gyro: order and sense, units of the rates, axes. `None` if the channels of one sensor have different times,

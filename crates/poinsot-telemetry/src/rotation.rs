@@ -1,6 +1,6 @@
 //! Attitude quaternions `[x, y, z, w]` (Hamilton, body to inertial) and rotation vectors in body axes.
 
-use nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -106,11 +106,6 @@ fn unit([x, y, z, w]: [f64; 4]) -> UnitQuaternion<f64> {
 /// Shortest rotation vector from attitude `from` to attitude `to`, rad, body axes.
 pub(crate) fn turn_between(from: [f64; 4], to: [f64; 4]) -> [f64; 3] {
     (unit(from).inverse() * unit(to)).scaled_axis().into()
-}
-
-/// The rotation of a rotation vector, rad.
-pub(crate) fn of_vector(phi: [f64; 3]) -> Rotation3<f64> {
-    Rotation3::new(Vector3::from(phi))
 }
 
 /// Attitude `from` rotated by a rotation vector in its body axes.

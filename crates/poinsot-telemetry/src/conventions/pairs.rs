@@ -2,7 +2,7 @@
 
 use crate::median::{median, median_step};
 use crate::{Axes, Channel, GAP, Order, Sense, classify, integral, resample_hermite, rotation};
-use nalgebra::{Matrix3, SMatrix, SVector, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, UnitQuaternion, Vector3};
 use std::f64::consts::SQRT_2;
 
 /// Turn of an attitude per compared interval, rad, and share of the range of other channels: well above noise, small enough for
@@ -26,6 +26,7 @@ pub(crate) struct Interval {
 }
 
 /// Sums over the intervals, from which the residual of every unit and axis permutation follows.
+#[derive(Default)]
 pub(crate) struct Sums {
     pub n: f64,
     pub aa: f64,
@@ -152,14 +153,12 @@ impl Pairs {
         let seen = |[x, y, z, _]: [f64; 4]| axes.turned(&Vector3::new(x, y, z).normalize());
         let square = |i: &Interval| {
             let mean = Vector3::from(i.rate) * factor * i.dt;
-            let own = i.turn.filter(|_| factor == 1.0);
-            let turn = match own {
+            let turn = match i.turn.filter(|_| factor == 1.0) {
                 Some([_, opposite]) if rates.determinant() < 0 => -opposite.scaled_axis(),
                 Some([turn, _]) => turn.scaled_axis(),
                 None => mean,
             };
-            let turn = rates.turned(&turn);
-            let turn = rotation::of_vector(turn.into());
+            let turn = Rotation3::new(rates.turned(&turn));
             ((turn * seen(i.to) - seen(i.from)) / i.dt).norm_squared()
         };
         let sum: f64 = self.turns.iter().map(square).sum();
@@ -189,12 +188,7 @@ impl Pairs {
         };
         let mut sums = Sums {
             n: self.turns.len() as f64,
-            aa: 0.0,
-            gg: 0.0,
-            cross: [[0.0; 3]; 3],
-            turns: Default::default(),
-            apart: Vector3::zeros(),
-            apart_squared: 0.0,
+            ..Sums::default()
         };
         for t in &self.turns {
             let change = match self.is_attitude {

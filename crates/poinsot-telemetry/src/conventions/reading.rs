@@ -167,11 +167,6 @@ impl Hypothesis {
         self.rows.iter().map(|row| row.departures()).sum()
     }
 
-    /// Whether one row is enough, and it turns no axes.
-    pub(super) fn is_listed(&self) -> bool {
-        self.rows.len() < 2 && self.is_along()
-    }
-
     /// Order of the quaternion.
     pub(super) fn order(&self) -> Order {
         let of = |row: &Arc<Row>| match row.repair.change {
