@@ -13,7 +13,7 @@ use crate::momentum::composite;
 use crate::tree::{Motion, Tree};
 use alloc::vec;
 use alloc::vec::Vec;
-use poinsot_spatial::{InertialParameters, Matrix6, Vector3, Vector6};
+use poinsot_spatial::{InertialParameters, Matrix6, Vector3, Vector6, stacked};
 
 /// The blocks of the mass matrix, and the scratch to fill them. No call allocates.
 ///
@@ -72,8 +72,7 @@ impl MassMatrix {
                 torque += r.cross(&force);
                 at = above.parent;
             }
-            let (l, h) = (force, torque);
-            self.H_bm[k] = Vector6::new(l.x, l.y, l.z, h.x, h.y, h.z);
+            self.H_bm[k] = stacked(&force, &torque);
         }
     }
 

@@ -7,7 +7,7 @@ use crate::vehicle::{FlexibleMode, Mode, ModeEstimate, Model};
 use poinsot_dynamics::propagation::MOST_MODES;
 use poinsot_dynamics::{Composite, Kinematics, Vehicle, composite};
 use poinsot_files::short;
-use poinsot_spatial::{Matrix3, Matrix6, Vector3, Vector6, tensor};
+use poinsot_spatial::{Matrix3, Matrix6, Vector3, Vector6, stacked, tensor};
 use std::f64::consts::TAU;
 
 impl Check<'_, '_> {
@@ -210,6 +210,5 @@ fn participation(mode: &Mode, kinematics: &Kinematics, whole: &Composite) -> Vec
     let R = kinematics.R[mode.body];
     let arm = kinematics.p[mode.body] - whole.p_BoScm_B();
     let l = R * mode.translation;
-    let h = R * mode.rotation + arm.cross(&l);
-    Vector6::new(l.x, l.y, l.z, h.x, h.y, h.z)
+    stacked(&l, &(R * mode.rotation + arm.cross(&l)))
 }

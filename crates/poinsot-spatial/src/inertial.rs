@@ -262,6 +262,13 @@ impl InertialParameters {
         I_BBo_B: Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
     };
 
+    /// One of parameter `k` in the order of [`PARAMETER_NAMES`], and zero of all others.
+    pub fn unit(k: usize) -> Self {
+        let mut unit = [0.0; 10];
+        unit[k] = 1.0;
+        Self::from_array(&unit)
+    }
+
     /// The parameters in the order of [`PARAMETER_NAMES`].
     pub fn to_array(&self) -> [f64; 10] {
         let c = &self.mc_B;

@@ -10,6 +10,7 @@
 //! | mass, mass centre and inertia about the mass centre, as engineers write them | [`MassProperties`] |
 //! | whether a body can exist | [`MassProperties::check_physical`], [`pseudo_inertia`] |
 //! | parts of formulas | [`parallel_axis`], [`skew()`], [`tensor`], [`elements`], [`tensor_regressor`] |
+//! | parts of six-vectors | [`linear`], [`angular`], [`stacked`] |
 //!
 //! # Example
 //! Two bodies fixed to each other: their parameters about one point add up.
@@ -32,7 +33,7 @@
 //!
 //! # Files
 //! - `inertial.rs`: order, point and axes of the ten parameters, conversions, physical consistency of a body.
-//! - `skew.rs`: cross-product matrix.
+//! - `skew.rs`: cross-product matrix, parts of six-vectors.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![allow(non_snake_case)]
 
@@ -44,7 +45,7 @@ pub use inertial::{
     TENSOR, Unphysical, elements, parallel_axis, pseudo_inertia, tensor, tensor_index, tensor_name,
     tensor_regressor,
 };
-pub use skew::skew;
+pub use skew::{angular, linear, skew, stacked};
 
 /// A vector of three numbers.
 pub type Vector3 = nalgebra::Vector3<f64>;

@@ -1,4 +1,4 @@
-use crate::{Matrix3, Vector3};
+use crate::{Matrix3, Vector3, Vector6};
 
 /// The matrix `[a]x` with `[a]x b = a x b`.
 ///
@@ -10,6 +10,32 @@ use crate::{Matrix3, Vector3};
 #[inline]
 pub fn skew(a: &Vector3) -> Matrix3 {
     Matrix3::new(0.0, -a.z, a.y, a.z, 0.0, -a.x, -a.y, a.x, 0.0)
+}
+
+/// The linear part of a twist, momentum or wrench.
+///
+/// ```
+/// use poinsot_spatial::{Vector3, angular, linear, stacked};
+///
+/// let twist = stacked(&Vector3::x(), &Vector3::z());
+/// assert_eq!((linear(&twist), angular(&twist)), (Vector3::x(), Vector3::z()));
+/// ```
+#[inline]
+pub fn linear(x: &Vector6) -> Vector3 {
+    x.fixed_rows::<3>(0).into()
+}
+
+/// The angular part; see [`linear`].
+#[inline]
+pub fn angular(x: &Vector6) -> Vector3 {
+    x.fixed_rows::<3>(3).into()
+}
+
+/// The six-vector of these parts; see [`linear`].
+#[inline]
+pub fn stacked(linear: &Vector3, angular: &Vector3) -> Vector6 {
+    let (l, a) = (linear, angular);
+    Vector6::new(l.x, l.y, l.z, a.x, a.y, a.z)
 }
 
 #[cfg(test)]

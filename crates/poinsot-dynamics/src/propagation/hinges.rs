@@ -20,6 +20,7 @@ use crate::spring::SpringDamper;
 use crate::tree::Tree;
 use alloc::vec::Vec;
 use nalgebra::{Vector3, Vector6};
+use poinsot_spatial::{angular, linear, stacked};
 
 /// A joint coordinate that a spring and damper move.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -292,18 +293,6 @@ impl HeldChange {
         let each = self.carried.iter_mut().zip(&other.carried);
         each.for_each(|(own, other)| *own += other * factor);
     }
-}
-
-fn linear(x: &Vector6<f64>) -> Vector3<f64> {
-    x.fixed_rows::<3>(0).into()
-}
-
-fn angular(x: &Vector6<f64>) -> Vector3<f64> {
-    x.fixed_rows::<3>(3).into()
-}
-
-fn stacked(v: &Vector3<f64>, w: &Vector3<f64>) -> Vector6<f64> {
-    Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z)
 }
 
 /// Momentum of a body in a motion.

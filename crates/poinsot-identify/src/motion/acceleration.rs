@@ -22,7 +22,7 @@ use nalgebra::{Matrix4, SMatrix, Vector4};
 use poinsot_dynamics::{
     Accelerations, Kinematics, Tree, Twist, composite, momentum_rate_column, wheel_rate,
 };
-use poinsot_spatial::{Matrix3, Vector3, Vector6};
+use poinsot_spatial::{Matrix3, Vector3, Vector6, angular, linear, stacked};
 use std::cell::RefMut;
 
 /// A point fixed in a body: index of the body, place from its origin in its axes, m.
@@ -179,7 +179,7 @@ impl Motion<'_> {
         let free = self.rate_without_base(here, (v.tree, inputs), &instant.twist);
         let base = instant.twist_of(&(wrench - free));
         here.body
-            .add_base(&here.kinematics, &upper(&base), &lower(&base));
+            .add_base(&here.kinematics, &linear(&base), &angular(&base));
         let (body, p) = point;
         let value = here.body.at_point(&here.kinematics, *body, p);
         if self.columns.is_empty() {
@@ -190,8 +190,8 @@ impl Motion<'_> {
         let r = here.kinematics.p[*body] + R * p;
         columns.extend((0..self.columns.len()).map(|j| {
             let change = self.base_change(state, j, inputs, instant, &slopes, here);
-            let dw = lower(&self.twist_columns[j]);
-            let in_B = upper(&change) + lower(&change).cross(&r) + slopes.force_B * dw;
+            let dw = angular(&self.twist_columns[j]);
+            let in_B = linear(&change) + angular(&change).cross(&r) + slopes.force_B * dw;
             R.transpose() * in_B
         }));
         let around = Around {
@@ -283,7 +283,7 @@ impl Motion<'_> {
             force += f.F_B;
             torque += (f.arm_B + instant.centre.p_BoScm_B).cross(&f.F_B);
         }
-        stack(&force, &torque)
+        stacked(&force, &torque)
     }
 
     /// `b`: places and moves `moving` at the twist given, the base not accelerating.
@@ -311,7 +311,7 @@ impl Motion<'_> {
         let (at, spin) = (&moving.kinematics, &self.vehicle.spin);
         let (force, torque) = moving.body.momentum_rate(&self.input_state.bodies, at);
         let of_wheels = wheel_rate(tree, at, spin, &inputs.wheels, &inputs.wheel_rates);
-        stack(&force, &(torque + of_wheels))
+        stacked(&force, &(torque + of_wheels))
     }
 
     fn rate_slopes(
@@ -359,18 +359,18 @@ impl Motion<'_> {
         let torque = self.environment_torque_change(
             state,
             &instant.centre,
-            (&instant.twist.w, &lower(twist)),
+            (&instant.twist.w, &angular(twist)),
             &dphi,
             j.checked_sub(self.initial_columns),
         );
-        let mut wrench = stack(&Vector3::zeros(), &torque);
+        let mut wrench = stacked(&Vector3::zeros(), &torque);
         if let Some(kind) = kind.filter(|k| k.thruster().is_some()) {
             for f in self.forces(&inputs.thrust, instant) {
                 let (dF, dT) = f.change(kind);
-                wrench += stack(&dF, &(dT + instant.centre.p_BoScm_B.cross(&dF)));
+                wrench += stacked(&dF, &(dT + instant.centre.p_BoScm_B.cross(&dF)));
             }
         }
-        let mut own = slopes.balance * lower(twist);
+        let mut own = slopes.balance * angular(twist);
         if let Some(u) = j.checked_sub(self.initial_columns) {
             let factor = self.slope_factor(u);
             for (at, slope) in &v.slopes[u] {
@@ -381,7 +381,7 @@ impl Motion<'_> {
             let of_wheel = |w: usize, d: &Vector3| {
                 let host = &moving.kinematics.w[v.tree.rotors[w].body];
                 let rate = d * inputs.wheel_rates[w] + host.cross(d) * inputs.wheels[w];
-                stack(&Vector3::zeros(), &rate)
+                stacked(&Vector3::zeros(), &rate)
             };
             match &v.kinds[u] {
                 UnknownKind::SpinInertia(w) => {
@@ -455,7 +455,7 @@ impl Motion<'_> {
             self.rate_without_base(moving, (tree, there), &instant.twist);
             moving
                 .body
-                .add_base(&moving.kinematics, &upper(base), &lower(base));
+                .add_base(&moving.kinematics, &linear(base), &angular(base));
             let outside = self.outside(&around.state, &moving.kinematics, there, instant);
             balance += (self.momentum_rate(moving, (tree, there)) - outside) * weight;
             own += moving.body.at_point(&moving.kinematics, *body, p) * weight;
@@ -463,7 +463,7 @@ impl Motion<'_> {
         let shift = instant.twist_of(&balance);
         let R = self.input_state.kinematics.R[*body];
         let r = self.input_state.kinematics.p[*body] + R * p;
-        own - R.transpose() * (upper(&shift) + lower(&shift).cross(&r))
+        own - R.transpose() * (linear(&shift) + angular(&shift).cross(&r))
     }
 
     /// Force and torque about Bo from outside at a placement, in B.
@@ -479,10 +479,10 @@ impl Motion<'_> {
         there.p_BoScm_B = whole.p_BoScm_B();
         there.I_SScm_B = whole.I_SScm_B();
         let torque = self.environment_torque(state, &instant.twist.w, &there);
-        let mut sum = stack(&Vector3::zeros(), &torque);
+        let mut sum = stacked(&Vector3::zeros(), &torque);
         for thrust in &inputs.thrust {
             let force = self.force(thrust, kinematics, &Vector3::zeros());
-            sum += stack(&force.F_B, &force.arm_B.cross(&force.F_B));
+            sum += stacked(&force.F_B, &force.arm_B.cross(&force.F_B));
         }
         sum
     }
@@ -526,16 +526,4 @@ fn joint_acceleration(
         .lu()
         .solve(&Vector4::new(u1, w1, u2, w2))
         .map_or_else(|| parabola_slope(t, rate, k), |x| 2.0 * x[0])
-}
-
-fn upper(v: &Vector6) -> Vector3 {
-    v.fixed_rows::<3>(0).into()
-}
-
-fn lower(v: &Vector6) -> Vector3 {
-    v.fixed_rows::<3>(3).into()
-}
-
-fn stack(force: &Vector3, torque: &Vector3) -> Vector6 {
-    Vector6::new(force.x, force.y, force.z, torque.x, torque.y, torque.z)
 }

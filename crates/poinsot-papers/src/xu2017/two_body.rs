@@ -117,11 +117,8 @@ pub fn rows(
     compose: impl Fn(&InertialParameters) -> [InertialParameters; 2],
 ) -> Vec<MomentumRow> {
     let none = compose(&InertialParameters::ZERO);
-    let units: [[InertialParameters; 2]; 10] = std::array::from_fn(|k| {
-        let mut unit = [0.0; 10];
-        unit[k] = 1.0;
-        compose(&InertialParameters::from_array(&unit))
-    });
+    let units: [[InertialParameters; 2]; 10] =
+        std::array::from_fn(|k| compose(&InertialParameters::unit(k)));
     let of = |reading: &TwoBodyReading| {
         let constant = momentum(reading, &none[0], &none[1]);
         let mut slope = SMatrix::<f64, 9, 10>::zeros();

@@ -1,9 +1,9 @@
 //! Sensitivity of the specific force at a point to errors of state and inputs.
 
-use super::{Around, BodyPoint, ForceScratch, Moved, RateSlopes, lower, stack, upper};
+use super::{Around, BodyPoint, ForceScratch, Moved, RateSlopes};
 use crate::motion::slope_weights;
 use crate::motion::{Column, Instant, Motion, State, matrix};
-use poinsot_spatial::{Matrix3, Vector3, Vector6};
+use poinsot_spatial::{Matrix3, Vector3, Vector6, angular, linear, stacked};
 use std::cell::RefMut;
 
 /// The equation of the accelerations around one instant.
@@ -59,7 +59,7 @@ impl ForceAround<'_, '_> {
     /// A change of the state with the change of the twist that goes with it, joints and wheels as they are.
     pub fn state(&self, column: &Column, twist: &Vector6) -> Vector3 {
         let dphi: Vector3 = column.fixed_rows::<3>(0).into();
-        let dw = lower(twist);
+        let dw = angular(twist);
         if dw == Vector3::zeros() && dphi == Vector3::zeros() {
             return Vector3::zeros();
         }
@@ -69,17 +69,17 @@ impl ForceAround<'_, '_> {
             .motion
             .environment_torque_change(state, centre, (w, &dw), &dphi, None);
         let own = self.slopes.balance * dw;
-        let base = instant.twist_of(&(stack(&Vector3::zeros(), &torque) - own));
+        let base = instant.twist_of(&(stacked(&Vector3::zeros(), &torque) - own));
         let direct = self.slopes.force_B * dw;
-        self.R.transpose() * (upper(&base) + lower(&base).cross(&self.r) + direct)
+        self.R.transpose() * (linear(&base) + angular(&base).cross(&self.r) + direct)
     }
 
     /// A torque about an axis of N.
     pub fn outside_torque(&self, axis: usize) -> Vector3 {
         let Around { state, instant, .. } = &self.around;
         let torque: Vector3 = matrix(&state.R_NB).row(axis).transpose();
-        let base = instant.twist_of(&stack(&Vector3::zeros(), &torque));
-        self.R.transpose() * (upper(&base) + lower(&base).cross(&self.r))
+        let base = instant.twist_of(&stacked(&Vector3::zeros(), &torque));
+        self.R.transpose() * (linear(&base) + angular(&base).cross(&self.r))
     }
 
     /// Grid times and weights of the readings that make up the slope of a wheel's speed.

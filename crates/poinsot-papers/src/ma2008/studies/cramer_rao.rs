@@ -4,7 +4,7 @@ use super::experiment::{Errors, Run, Sigma};
 use crate::ma2008::{Reading, angular_rows, linear_rows};
 use crate::study::statistics::largest;
 use nalgebra::{DMatrix, SVector};
-use poinsot_spatial::{Matrix6, TENSOR, Vector3, Vector6};
+use poinsot_spatial::{Matrix6, TENSOR, Vector3, Vector6, stacked};
 
 /// Step of the finite differences, in units of the unknowns.
 const STEP: f64 = 1.0e-5;
@@ -58,7 +58,7 @@ impl<'a> Unknowns<'a> {
         let l = linear_rows(s) * x - P;
         let mass_centre = three(1);
         let h = angular_rows(s, self.arm_mass / t[0], &mass_centre) * y - H;
-        Vector6::new(l.x, l.y, l.z, h.x, h.y, h.z)
+        stacked(&l, &h)
     }
 
     /// Information of one sample: `D^T S^-1 D`; `None` if a velocity is exact.
