@@ -2,6 +2,7 @@
 //! `P' = F`, `H' = T` differentiated in closed form (Newton-Euler recursion; Featherstone 2008, ch. 5).
 
 use crate::algebra::{M3, Real, V3};
+use crate::inverse_dynamics::Wrench;
 use crate::kinematics::Kinematics;
 use crate::tree::{Motion, Tree};
 use alloc::vec;
@@ -118,27 +119,28 @@ impl Accelerations {
     ) -> (Vector3, Vector3) {
         let (mut l_rate, mut h_rate) = (Vector3::zeros(), Vector3::zeros());
         for (i, body) in parameters.iter().enumerate() {
-            let (force, torque) = self.body_rate(body, kinematics, i);
+            let Wrench { force, torque } = self.body_rate(body, kinematics, i);
             l_rate += force;
-            h_rate += torque;
+            h_rate += torque + kinematics.p[i].cross(&force);
         }
         (l_rate, h_rate)
     }
 
-    /// The same of body i alone, with the parameters given.
+    /// The same of body i alone, with the parameters given, about its own origin.
     pub(crate) fn body_rate(
         &self,
         body: &InertialParameters,
         kinematics: &Kinematics,
         i: usize,
-    ) -> (Vector3, Vector3) {
-        let (R, p, w) = (&kinematics.R[i], &kinematics.p[i], &kinematics.w[i]);
+    ) -> Wrench {
+        let (R, w) = (&kinematics.R[i], &kinematics.w[i]);
         let (a, alpha) = (&self.a[i], &self.alpha[i]);
         let mc = R * body.mc_B;
         let inertia = |x: &Vector3| R * (body.I_BBo_B * (R.transpose() * x));
-        let force = a * body.mass + alpha.cross(&mc) + w.cross(&w.cross(&mc));
-        let torque = inertia(alpha) + w.cross(&inertia(w)) + mc.cross(a);
-        (force, torque + p.cross(&force))
+        Wrench {
+            force: a * body.mass + alpha.cross(&mc) + w.cross(&w.cross(&mc)),
+            torque: inertia(alpha) + w.cross(&inertia(w)) + mc.cross(a),
+        }
     }
 
     /// Specific force at a point fixed in body i (from its origin, in that body), in that body's axes,

@@ -66,15 +66,11 @@ impl InverseDynamics {
         joint_forces: &mut [f64],
     ) -> Wrench {
         for (i, body) in parameters.iter().enumerate() {
-            let (R, w) = (&kinematics.R[i], &kinematics.w[i]);
-            let (a, alpha) = (&accelerations.a[i], &accelerations.alpha[i]);
-            let mc = R * body.mc_B;
-            let inertia = |x: &Vector3| R * (body.I_BBo_B * (R.transpose() * x));
+            let own = &mut self.transmitted[i];
+            *own = accelerations.body_rate(body, kinematics, i);
             let given = outside.get(i).unwrap_or(&Wrench::ZERO);
-            self.transmitted[i] = Wrench {
-                force: a * body.mass + alpha.cross(&mc) + w.cross(&w.cross(&mc)) - given.force,
-                torque: inertia(alpha) + w.cross(&inertia(w)) + mc.cross(a) - given.torque,
-            };
+            own.force -= given.force;
+            own.torque -= given.torque;
         }
         for (i, link) in tree.links.iter().enumerate().skip(1).rev() {
             let Wrench { force, torque } = self.transmitted[i];

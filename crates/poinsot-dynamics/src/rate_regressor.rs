@@ -1,10 +1,10 @@
 //! The regressor of the momentum's rate of change: the sensitivity of accelerometers to the parameters.
 
 use crate::acceleration::Accelerations;
-use crate::algebra::{V3, stack};
+use crate::inverse_dynamics::Wrench;
 use crate::kinematics::Kinematics;
 use crate::tree::Tree;
-use poinsot_spatial::{InertialParameters, Vector3, Vector6};
+use poinsot_spatial::{InertialParameters, Vector3, Vector6, stacked};
 
 /// Rate of change of the momentum `[l'; h']` about the base origin's present place, inertial rate in base
 /// axes, N and N m, of one unit of parameter k of body i at the velocities and accelerations given.
@@ -27,11 +27,9 @@ pub fn momentum_rate_column(
     i: usize,
     k: usize,
 ) -> Vector6 {
-    let mut unit = [0.0; 10];
-    unit[k] = 1.0;
-    let (force, torque) =
-        accelerations.body_rate(&InertialParameters::from_array(&unit), kinematics, i);
-    stack(&V3::of(&force), &V3::of(&torque)).into()
+    let unit = InertialParameters::unit(k);
+    let Wrench { force, torque } = accelerations.body_rate(&unit, kinematics, i);
+    stacked(&force, &(torque + kinematics.p[i].cross(&force)))
 }
 
 /// Rate of change of the wheels' relative angular momentum, inertial rate in base axes, N m:
