@@ -69,12 +69,12 @@ pub struct JointSlopes {
     subtrees: Vec<Subtree>,
 }
 
-/// A body with all that it carries, about `Bo` in base axes.
+/// A body with all that it carries, and their momentum, in base axes: here about `Bo`.
 #[derive(Debug, Clone, Copy)]
-struct Subtree {
-    body: Inertial<f64>,
-    l: V3<f64>,
-    h: V3<f64>,
+pub(crate) struct Subtree<T = f64> {
+    pub body: Inertial<T>,
+    pub l: V3<T>,
+    pub h: V3<T>,
 }
 
 impl JointSlopes {

@@ -3,19 +3,13 @@
 use crate::algebra::{Real, V3};
 use crate::forward_dynamics::ForwardDynamics;
 use crate::inertial::Inertial;
+use crate::joint_slopes::Subtree;
 use crate::tree::{Motion, Tree};
-
-/// A body with all it carries, about its origin, and their momentum while the base is at rest.
-#[derive(Debug, Clone, Copy)]
-struct Subtree<T> {
-    inertia: Inertial<T>,
-    l: V3<T>,
-    h: V3<T>,
-}
 
 /// Scratch of the recursion.
 #[derive(Debug, Clone)]
 pub(crate) struct RatesMomentum<T = f64> {
+    /// Each about its own origin, with the base at rest.
     subtrees: Vec<Subtree<T>>,
 }
 
@@ -39,14 +33,14 @@ impl<T: Real> RatesMomentum<T> {
     ) -> (Inertial<T>, V3<T>, V3<T>) {
         self.subtrees.clear();
         for i in 0..tree.links.len() {
-            let (inertia, ..) = dynamics.body(i);
-            let l = V3::all(inertia.mass.all(0.0));
-            self.subtrees.push(Subtree { inertia, l, h: l });
+            let (body, ..) = dynamics.body(i);
+            let l = V3::all(body.mass.all(0.0));
+            self.subtrees.push(Subtree { body, l, h: l });
         }
         for (i, link) in tree.links.iter().enumerate().skip(1).rev() {
             let (_, axis, r) = dynamics.body(i);
             let mut subtree = self.subtrees[i];
-            let Inertial { mass, mc, I } = &subtree.inertia;
+            let Inertial { mass, mc, I } = &subtree.body;
             match link.motion {
                 Motion::Revolute(k) => {
                     let turn = axis * rates[k];
@@ -63,7 +57,7 @@ impl<T: Real> RatesMomentum<T> {
             self.subtrees[link.parent].carry(&subtree, &r);
         }
         let base = &self.subtrees[0];
-        (base.inertia, base.l, base.h)
+        (base.body, base.l, base.h)
     }
 }
 
@@ -71,7 +65,7 @@ impl<T: Real> Subtree<T> {
     /// Adds the inertia and momentum of a child with all it carries, moved from `Co` to `Po` over `r = p_PoCo`.
     #[inline(always)]
     fn carry(&mut self, child: &Self, r: &V3<T>) {
-        self.inertia += child.inertia.seen_from(r);
+        self.body += child.body.seen_from(r);
         self.l += child.l;
         self.h += child.h + r.cross(&child.l);
     }
