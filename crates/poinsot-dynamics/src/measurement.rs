@@ -31,17 +31,10 @@ pub struct BasePose<T = f64> {
 }
 
 impl<T: Real> BasePose<T> {
-    /// `q_NB`, xyzw.
-    #[inline(always)]
-    fn quaternion(&self) -> [T; 4] {
-        let q = &self.R_NB.as_ref().coords;
-        [q.x, q.y, q.z, q.w]
-    }
-
     /// `R_NB` as a matrix.
     #[inline(always)]
     fn matrix(&self) -> M3<T> {
-        quaternion::rotation(&self.quaternion())
+        quaternion::rotation(&quaternion::numbers(&self.R_NB))
     }
 }
 

@@ -1,6 +1,14 @@
 //! Unit quaternions `[x, y, z, w]` over any numbers.
 
 use crate::algebra::{M3, Real, V3};
+use nalgebra::{Quaternion, Unit};
+
+/// The numbers of a quaternion.
+#[inline(always)]
+pub(crate) fn numbers<T: Real>(q: &Unit<Quaternion<T>>) -> [T; 4] {
+    let q = &q.as_ref().coords;
+    [q.x, q.y, q.z, q.w]
+}
 
 /// Length one.
 #[inline(always)]

@@ -9,7 +9,8 @@ pub(super) fn measure<T: Real>(scene: &Scene<T>) -> Measurement<T> {
     let (to_body, zero) = (scene.point.R_BiB(), scene.point.r.x.all(0.0));
     // `R_NBi`.
     let of_body = T::quaternion_of(&scene.point.R);
-    let value = Ideal::rotation(quaternion::product(&scene.pose.quaternion(), &of_body));
+    let q_NB = quaternion::numbers(&scene.pose.R_NB);
+    let value = Ideal::rotation(quaternion::product(&q_NB, &of_body));
     Measurement {
         rate: Some(to_body.times(&V3::of(&scene.point.w)).stored()),
         pose: beside(&to_body, &M3::diagonal(zero)),

@@ -713,7 +713,7 @@ impl Flow for Stage<'_> {
         if !flight.free.is_empty() {
             self.accelerate(t, R_NB, &base)?;
         }
-        let q = quaternion::rate(&state.quaternion(), &V3::of(&base.twist.w));
+        let q = quaternion::rate(&quaternion::numbers(&state.R_NB), &V3::of(&base.twist.w));
         dy[..POSITION].copy_from_slice(&q);
         let [l_out, h_out, moment_out] = self.leaving(&base);
         let blocks = [

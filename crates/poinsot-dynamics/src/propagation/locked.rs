@@ -114,7 +114,7 @@ impl<T: Real> LockedVehicle<T> {
     /// About the mass centre the equations decouple: `I w = h - h_joints`, `v = (l - l_joints) / m - w x c`.
     #[inline(always)]
     pub fn base_motion(&self, state: &PoseMomentum<T>) -> BaseMotion<T> {
-        let R_NB = quaternion::rotation(&state.quaternion());
+        let R_NB = quaternion::rotation(&quaternion::numbers(&state.R_NB));
         let l = R_NB.transpose_times(&V3::of(&state.P));
         let h = R_NB.transpose_times(&V3::of(&state.h_SScm_N));
         let turn = h - self.h_joints;

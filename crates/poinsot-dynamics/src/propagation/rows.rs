@@ -154,7 +154,9 @@ impl<T: Real> BaseMotion<T> {
         let centre = &self.centre;
         let zero = centre.mass.all(0.0);
         let axes = M3::diagonal(zero.all(1.0)).0;
-        let to_base = quaternion::rotation(&state.quaternion()).transposed().0;
+        let to_base = quaternion::rotation(&quaternion::numbers(&state.R_NB))
+            .transposed()
+            .0;
         let (l, h) = (V3::of(&centre.l_B), V3::of(&centre.h_SScm_B));
         let nothing = V3::all(zero);
         let mut rows = StateRows::nothing(zero);
@@ -173,7 +175,7 @@ impl<T: Real> BaseMotion<T> {
     /// Change of the pose's rate `[dphi_B'; dp_N']` with the state, from [`Self::twist_rows`]: the upper half of `A`.
     #[inline(always)]
     pub fn pose_rows(&self, state: &PoseMomentum<T>, twist_rows: &StateRows<T>) -> StateRows<T> {
-        let R = quaternion::rotation(&state.quaternion());
+        let R = quaternion::rotation(&quaternion::numbers(&state.R_NB));
         let zero = self.centre.mass.all(0.0);
         let axes = M3::diagonal(zero.all(1.0)).0;
         let (v, w) = (V3::of(&self.twist.v), V3::of(&self.twist.w));
@@ -198,7 +200,7 @@ impl<T: Real> StateRows<T> {
     /// (N m) turn with the base: the lower half of `A`.
     #[inline(always)]
     pub fn of_wrench(state: &PoseMomentum<T>, force_B: &Vector3<T>, torque_B: &Vector3<T>) -> Self {
-        let R = quaternion::rotation(&state.quaternion());
+        let R = quaternion::rotation(&quaternion::numbers(&state.R_NB));
         let (F, T) = (V3::of(force_B), V3::of(torque_B));
         let axes = M3::diagonal(F.x.all(1.0)).0;
         let mut rows = Self::nothing(F.x.all(0.0));

@@ -42,7 +42,7 @@ impl<T: Real> PoseMomentumRate<T> {
         twist: &Twist<T>,
         (force_B, torque_B): (&Vector3<T>, &Vector3<T>),
     ) -> Self {
-        let q = state.quaternion();
+        let q = quaternion::numbers(&state.R_NB);
         let R = quaternion::rotation(&q);
         Self {
             q: quaternion::rate(&q, &V3::of(&twist.w)),
@@ -54,12 +54,6 @@ impl<T: Real> PoseMomentumRate<T> {
 }
 
 impl<T: Real> PoseMomentum<T> {
-    #[inline(always)]
-    pub(crate) fn quaternion(&self) -> [T; 4] {
-        let q = &self.R_NB.as_ref().coords;
-        [q.x, q.y, q.z, q.w]
-    }
-
     #[inline(always)]
     pub(crate) fn from_parts(q: [T; 4], p: &V3<T>, P: &V3<T>, h: &V3<T>) -> Self {
         let [x, y, z, w] = q;
@@ -105,7 +99,7 @@ impl<T: Real> Moving for PoseMomentum<T> {
     /// The quaternion keeps length one.
     #[inline(always)]
     fn after(&self, rate: &Self::Rate, dt: f64) -> Self {
-        let [x, y, z, w] = self.quaternion();
+        let [x, y, z, w] = quaternion::numbers(&self.R_NB);
         let [a, b, c, d] = rate.q;
         let dt = x.all(dt);
         let q = quaternion::unit([x + a * dt, y + b * dt, z + c * dt, w + d * dt]);
@@ -135,7 +129,8 @@ impl<T: Real> Moving for PoseMomentum<T> {
     /// The quaternions in one hemisphere.
     #[inline(always)]
     fn until(&self, to: &Self) -> Self::Rate {
-        let ([x, y, z, w], [a, b, c, d]) = (self.quaternion(), to.quaternion());
+        let [x, y, z, w] = quaternion::numbers(&self.R_NB);
+        let [a, b, c, d] = quaternion::numbers(&to.R_NB);
         let cosine = x * a + y * b + z * c + w * d;
         let side = cosine / cosine.magnitude();
         PoseMomentumRate {
