@@ -167,6 +167,14 @@ impl Tree {
     pub fn dof(&self) -> usize {
         self.coordinates.len()
     }
+
+    /// Whether a body is another one or hangs on it: parents stand before their children.
+    pub fn carries(&self, root: usize, mut body: usize) -> bool {
+        while body > root {
+            body = self.links[body].parent;
+        }
+        body == root
+    }
 }
 
 #[cfg(test)]

@@ -92,12 +92,8 @@ pub(super) fn moved_trees(tree: &Tree, kind: &UnknownKind) -> Option<[Tree; 2]> 
 impl Motion<'_> {
     /// Motion of a joint coordinate that carries a body; virtual joints follow the real ones.
     pub(super) fn carrying(&self, coordinate: usize, body: usize) -> Option<&SubtreeMotion> {
-        let links = &self.vehicle.tree.links;
         let motion = self.vehicle.joint_motions.get(coordinate)?;
-        let mut at = body;
-        while at > motion.link {
-            at = links[at].parent;
-        }
-        (at == motion.link).then_some(motion)
+        let tree = &self.vehicle.tree;
+        tree.carries(motion.link, body).then_some(motion)
     }
 }

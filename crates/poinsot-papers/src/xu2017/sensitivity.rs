@@ -100,14 +100,9 @@ pub fn path_sensitivity(
     let total = composite(bodies, &kinematics).parameters();
     let compose =
         |x: &InertialParameters| [*x, transported_back(&total.with_added(-1.0, x), &R, &p)];
-    let carried = |mut b: usize| {
-        while b != child && b != 0 {
-            b = tree.links[b].parent;
-        }
-        b == child
-    };
     let mut inner = bodies.to_vec();
-    for (_, body) in inner.iter_mut().enumerate().filter(|(b, _)| carried(*b)) {
+    let carried = inner.iter_mut().enumerate();
+    for (_, body) in carried.filter(|(b, _)| tree.carries(child, *b)) {
         *body = InertialParameters::ZERO;
     }
     let natural = natural(

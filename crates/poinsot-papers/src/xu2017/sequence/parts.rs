@@ -89,11 +89,8 @@ impl Work<'_> {
     }
 
     /// Whether body `b` is body `root` or in its subtree.
-    pub(super) fn carries(&self, root: usize, mut b: usize) -> bool {
-        while b != root && b != 0 {
-            b = self.parent(b);
-        }
-        b == root
+    pub(super) fn carries(&self, root: usize, b: usize) -> bool {
+        self.problem.tree.carries(root, b)
     }
 
     /// Whether every body of the base side, and of the tip side, of a joint is known.
