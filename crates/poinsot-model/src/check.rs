@@ -2,7 +2,7 @@
 //! invalid entries.
 
 use crate::check_known::known;
-use crate::check_name::check_names;
+use crate::check_name::{columns_unique, sensors_unique};
 use crate::check_telemetry::check_telemetry;
 use crate::check_tree::{Tree, check_tree};
 use crate::file::{BodyFile, ModelFile};
@@ -44,7 +44,8 @@ pub(crate) fn check_model(
     if !check_count(file, findings) {
         return None;
     }
-    check_names(file, findings);
+    sensors_unique(file, findings);
+    columns_unique(file, findings);
     let (bodies, joints) = (all(&file.body), all(&file.joint));
     let Tree { order, carried_by } = check_tree(bodies, joints, findings);
     let mut check = Check {

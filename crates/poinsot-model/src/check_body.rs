@@ -257,10 +257,8 @@ impl Check<'_, '_> {
                     "the body is fixed to \"{}\", which is unknown too: only their sum is identifiable; fix one of them",
                     parent.name
                 );
-                self.note(
-                    &Key::entry("body", at, Some(&body.name)).at("estimate"),
-                    text,
-                );
+                let key = Key::entry("body", at, Some(&body.name)).at("estimate");
+                self.note(&key, text);
             }
         }
     }

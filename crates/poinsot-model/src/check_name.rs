@@ -9,12 +9,6 @@ use std::collections::HashMap;
 /// Longest name, bytes.
 const LONGEST: usize = 200;
 
-/// Checks that no two parts have the same column or the same unknown error.
-pub(crate) fn check_names(file: &ModelFile, findings: &mut Findings<'_>) {
-    sensors_unique(file, findings);
-    columns_unique(file, findings);
-}
-
 /// Fault in the spelling of a name in a model file or URDF.
 pub(crate) fn misspelt(name: &str) -> Option<&'static str> {
     if name.trim().is_empty() {
@@ -37,7 +31,7 @@ fn duplicate(table: &str, index: usize, problem: String, findings: &mut Findings
 
 /// Sensors of different kinds may share a name (as gyro and accelerometer of one unit do), unless unknown errors of
 /// both get the same address (`imu.scale.x`).
-fn sensors_unique(file: &ModelFile, findings: &mut Findings<'_>) {
+pub(crate) fn sensors_unique(file: &ModelFile, findings: &mut Findings<'_>) {
     let mut seen: HashMap<&str, Vec<usize>> = HashMap::new();
     let sensors = all(&file.sensor);
     for (index, sensor) in sensors.iter().enumerate() {
@@ -88,7 +82,7 @@ fn unknown_errors(s: &SensorFile) -> [Option<&'static str>; 5] {
 
 /// A wheel and a revolute joint with equal names share `<name>_rad_s`; a thruster and a prismatic joint share
 /// `<name>_N`.
-fn columns_unique(file: &ModelFile, findings: &mut Findings<'_>) {
+pub(crate) fn columns_unique(file: &ModelFile, findings: &mut Findings<'_>) {
     let mut joints: HashMap<(&str, &str), usize> = HashMap::new();
     for (index, joint) in all(&file.joint).iter().enumerate() {
         let column = match joint.kind {

@@ -48,15 +48,10 @@ pub fn without_null(value: Value) -> Value {
                     // What a row adds to JSON Schema stays as it is.
                     (own, value) if own.starts_with("x-") => value,
                     ("type", Value::Array(types)) => {
-                        let mut types: Vec<Value> =
-                            types.into_iter().filter(|t| t != "null").collect();
-                        match (types.len(), types.pop()) {
-                            (1, Some(only)) => only,
-                            (_, Some(last)) => {
-                                types.push(last);
-                                Value::Array(types)
-                            }
-                            (_, None) => Value::Array(types),
+                        let types: Vec<Value> = types.into_iter().filter(|t| t != "null").collect();
+                        match <[Value; 1]>::try_from(types) {
+                            Ok([only]) => only,
+                            Err(types) => Value::Array(types),
                         }
                     }
                     ("anyOf", Value::Array(items)) => {

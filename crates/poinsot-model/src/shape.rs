@@ -307,7 +307,8 @@ impl Shape<'_, '_> {
             DeValue::Array(_) => ("array", "a list"),
             DeValue::Table(_) => ("object", "a table"),
         };
-        let Some(inner) = accepts(&alternatives, kind) else {
+        let fitting = alternatives.iter().find(|a| type_of(a) == Some(kind));
+        let Some(&inner) = fitting else {
             return self.wrong_type(&alternatives, value.get_ref(), words, key);
         };
         match value.get_ref() {
@@ -635,13 +636,6 @@ fn type_of(schema: &Schema) -> Option<&str> {
         None if schema.get("const").is_some() || schema.get("enum").is_some() => Some("string"),
         other => other,
     }
-}
-
-fn accepts(alternatives: &[&'static Schema], name: &str) -> Option<&'static Schema> {
-    alternatives
-        .iter()
-        .copied()
-        .find(|schema| type_of(schema) == Some(name))
 }
 
 fn words_of(schema: &Schema) -> Vec<&str> {

@@ -370,9 +370,7 @@ impl Model {
     /// Unit of a sensor as a key suffix: `rad_s`.
     pub fn unit_of(&self, sensor: &Sensor) -> &'static str {
         let read = sensor.of.first().and_then(|j| self.joints.get(*j));
-        sensor
-            .kind
-            .unit(read.is_some_and(|j| j.kind == JointKind::Prismatic))
+        sensor.kind.unit(read.is_some_and(Joint::slides))
     }
 
     /// Name of the joint, wheel or thruster at an index of a sensor's `of`.

@@ -64,13 +64,9 @@ pub(super) fn read(text: &str, remarks: &mut Vec<Remark>) -> Option<Robot> {
         nodes_limit: NODES,
         ..ParsingOptions::default()
     };
-    let document = match Document::parse_with_options(text, options) {
-        Ok(document) => document,
-        Err(error) => {
-            remarks.push(ill_formed(text, &error));
-            return None;
-        }
-    };
+    let parsed = Document::parse_with_options(text, options);
+    let ill_formed = |error| remarks.push(ill_formed(text, &error));
+    let document = parsed.map_err(ill_formed).ok()?;
     let root = document.root_element();
     if root.tag_name().name() != "robot" {
         let name = excerpt(root.tag_name().name(), 60);

@@ -8,6 +8,7 @@ use poinsot_files::excerpt;
 use std::collections::{HashMap, HashSet};
 
 /// The tree, in file indices.
+#[derive(Default)]
 pub(super) struct Order {
     /// Links: root first, parents before children.
     pub links: Vec<usize>,
@@ -20,10 +21,7 @@ pub(super) fn check(robot: &Robot, remarks: &mut Vec<Remark>) -> Order {
     if robot.links.len() > MOST_BODIES {
         let problem = format!("the file has {} links", robot.links.len());
         tree.refuse(WHOLE, problem, "keep to 10000 links");
-        return Order {
-            links: Vec::new(),
-            carried_by: Vec::new(),
-        };
+        return Order::default();
     }
     tree.check_names();
     let (carried_by, children) = tree.attach();
