@@ -47,10 +47,9 @@ impl PiecewisePolynomial {
     /// A constant without nodes.
     pub fn constant(value: f64) -> Self {
         Self {
-            nodes: Vec::new(),
-            pieces: Vec::new(),
             before: value,
             after: value,
+            ..Self::default()
         }
     }
 

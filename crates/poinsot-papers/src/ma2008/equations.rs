@@ -58,6 +58,15 @@ pub struct TwoStep {
 }
 
 impl TwoStep {
+    /// Step 1 alone.
+    pub(super) fn first(rows: &[LinearRows], arm_mass: f64) -> Self {
+        Self {
+            linear: solve::<4, 5>(rows),
+            angular: None,
+            arm_mass,
+        }
+    }
+
     /// Mass of the base, kg.
     pub fn mass(&self) -> f64 {
         self.arm_mass / self.linear.x[0]
@@ -102,12 +111,7 @@ pub fn two_step(segments: &[Vec<Reading>], given: impl Into<Given>) -> TwoStep {
     // Step 1: A x = b, (11)-(13) or (15)-(17). The natural scale of x is unknown here, so columns are scaled equally.
     let known = given.p_C_N.map(|p| linear_known(&p, arm_mass));
     let rows = differences(segments, linear_rows, known);
-    let linear: Step<4> = solve::<4, 5>(&rows);
-    let mut answer = TwoStep {
-        linear,
-        angular: None,
-        arm_mass,
-    };
+    let mut answer = TwoStep::first(&rows, arm_mass);
     if answer.linear.structural_rank < 4 {
         return answer;
     }

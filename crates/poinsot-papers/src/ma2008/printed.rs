@@ -5,7 +5,7 @@
 
 use super::arm::Reading;
 use super::equations::{TwoStep, put};
-use super::solve::{Step, solve};
+use super::solve::solve;
 use nalgebra::SMatrix;
 use poinsot_spatial::{Matrix3, parallel_axis, skew, tensor_regressor};
 
@@ -57,12 +57,7 @@ pub fn two_step_printed(segment: &[Reading], axes: PrintedAxes) -> Option<TwoSte
         T
     };
     let rows: Vec<_> = samples.iter().skip(1).map(linear_rows).collect();
-    let linear: Step<4> = solve::<4, 5>(&rows);
-    let mut answer = TwoStep {
-        linear,
-        angular: None,
-        arm_mass,
-    };
+    let mut answer = TwoStep::first(&rows, arm_mass);
     // (24), with T_k the parallel-axis tensor of a unit mass at rho_S - rho_Rk.
     let (m_S, rho_S) = (answer.mass(), answer.rho_S());
     let mu = m_S * arm_mass / (m_S + arm_mass);

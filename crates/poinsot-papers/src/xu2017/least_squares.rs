@@ -31,7 +31,7 @@ impl Rows {
 }
 
 /// A solution with its rank and singular values.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Answer<T> {
     /// The solution.
     pub value: T,
@@ -72,9 +72,7 @@ pub(super) fn answer(
     });
     let mut answer = Answer {
         value: nominal.to_vec(),
-        singular: Vec::new(),
-        rank: 0,
-        finite: false,
+        ..Answer::default()
     };
     let Some(svd) = finite.then(|| inside.thin_svd().ok()).flatten() else {
         return answer;

@@ -108,7 +108,7 @@ impl StepReport {
 }
 
 /// All bodies, with the steps.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Found {
     /// Barycentric parameters of every body about its own origin.
     pub bodies: Vec<InertialParameters>,
@@ -162,10 +162,7 @@ pub fn sequence(problem: &Problem, order: Order, solver: &Solver) -> Result<Foun
         weighed: true,
         found: Found {
             bodies: nominal.collect(),
-            total: None,
-            steps: Vec::new(),
-            form: None,
-            notes: Vec::new(),
+            ..Found::default()
         },
         roles,
     };

@@ -7,7 +7,7 @@ use poinsot_dynamics::{
     Flight, JointDrive, JointMotion, Plan, Start, StartVelocity, Tolerance, Tree,
 };
 use poinsot_model::Model;
-use poinsot_spatial::{MassProperties, Matrix3, UnitQuaternion, Vector3};
+use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 
 /// Mass of the arm of Table 1 relative to the base.
 const ARM: f64 = 93.184 / 1000.0;
@@ -175,12 +175,11 @@ impl Experiment {
         };
         let vehicle = Flight::new(&self.model, &plan, tolerance)?;
         let start = Start {
-            R_NB: UnitQuaternion::identity(),
-            p_NoBo_N: Vector3::zeros(),
             velocity: StartVelocity::Twist {
                 v_NBo_N: Vector3::from(self.velocity),
                 w_NB_B: Vector3::from(self.spin_deg_s).map(f64::to_radians),
             },
+            ..Start::at_rest()
         };
         let mut times = vec![0.0];
         times.extend(&self.times);
