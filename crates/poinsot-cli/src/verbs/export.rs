@@ -1,6 +1,6 @@
 //! `poinsot export`
 
-use super::{Outcome, exit_of, note, print_file, written};
+use super::{Outcome, delivered, exit_of, note, written};
 use crate::arguments::Export;
 use poinsot::export::{Target, export, export_table};
 use poinsot::{Error, check_outputs};
@@ -21,13 +21,8 @@ pub fn run(arguments: &Export) -> Outcome {
         let lines = exported.left_out.iter().chain(&exported.no_field);
         lines.for_each(|line| note(line));
     }
-    match &arguments.out {
-        Some(path) => {
-            poinsot::write_file(path, exported.text.as_bytes())?;
-            written(std::slice::from_ref(path), arguments.json, arguments.quiet);
-        }
-        None => print_file(&exported.text),
-    }
+    let out = arguments.out.as_ref();
+    delivered(&exported.text, out, arguments.json, arguments.quiet)?;
     Ok(exit_of(exported.left_out.is_empty()))
 }
 

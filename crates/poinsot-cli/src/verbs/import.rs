@@ -1,6 +1,6 @@
 //! `poinsot import`
 
-use super::{Outcome, note, print_file, written};
+use super::{Outcome, delivered, note};
 use crate::arguments::Import;
 use poinsot::{Error, check_outputs};
 use poinsot_files::counted;
@@ -13,13 +13,8 @@ pub fn run(arguments: &Import) -> Outcome {
         Some(body) => modes(arguments, body)?,
         None => robot(arguments)?,
     };
-    match &arguments.out {
-        Some(path) => {
-            poinsot::write_file(path, text.as_bytes())?;
-            written(std::slice::from_ref(path), arguments.json, arguments.quiet);
-        }
-        None => print_file(&text),
-    }
+    let out = arguments.out.as_ref();
+    delivered(&text, out, arguments.json, arguments.quiet)?;
     if !arguments.quiet {
         notes.iter().for_each(|line| note(line));
     }

@@ -141,6 +141,19 @@ pub fn written(paths: &[PathBuf], json: bool, quiet: bool) {
     }
 }
 
+/// Writes a text to a file and lists that, or prints it: unchanged into a file or pipe, escaped on a terminal.
+pub fn delivered(text: &str, out: Option<&PathBuf>, json: bool, quiet: bool) -> Result<(), Error> {
+    match out {
+        Some(path) => {
+            poinsot::write_file(path, text.as_bytes())?;
+            written(std::slice::from_ref(path), json, quiet);
+        }
+        None if std::io::stdout().is_terminal() => print(text),
+        None => print_styled(text),
+    }
+    Ok(())
+}
+
 /// Lists the written files on standard error.
 pub fn noted(paths: &[PathBuf], quiet: bool) {
     for path in paths.iter().filter(|_| !quiet) {
@@ -165,14 +178,6 @@ static REFUSED: OnceLock<std::io::Error> = OnceLock::new();
 /// Prints to standard output. A closed pipe is ignored; other errors are returned by [`printed`].
 pub fn print(text: &str) {
     print_styled(&escaped_lines(text));
-}
-
-/// Prints the content of a file: unchanged into a file or pipe, escaped on a terminal.
-pub fn print_file(content: &str) {
-    match std::io::stdout().is_terminal() {
-        true => print(content),
-        false => print_styled(content),
-    }
 }
 
 /// Prints a document; text from files is escaped before colours are added.
