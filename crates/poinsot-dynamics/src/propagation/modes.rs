@@ -78,27 +78,26 @@ pub enum ModeNumber {
 impl Mode {
     /// One of its numbers.
     pub fn get(&self, number: ModeNumber) -> f64 {
+        let mut own = *self;
+        *own.of(number)
+    }
+
+    fn of(&mut self, number: ModeNumber) -> &mut f64 {
         match number {
-            ModeNumber::Frequency => self.frequency_Hz,
-            ModeNumber::Damping => self.damping_ratio,
-            ModeNumber::Translation(axis) => self.translation[axis],
-            ModeNumber::Rotation(axis) => self.rotation[axis],
-            ModeNumber::InertiaSlope(k) => self.inertia_slope[TENSOR[k]],
+            ModeNumber::Frequency => &mut self.frequency_Hz,
+            ModeNumber::Damping => &mut self.damping_ratio,
+            ModeNumber::Translation(axis) => &mut self.translation[axis],
+            ModeNumber::Rotation(axis) => &mut self.rotation[axis],
+            ModeNumber::InertiaSlope(k) => &mut self.inertia_slope[TENSOR[k]],
         }
     }
 
     /// Sets one of its numbers.
     pub fn set(&mut self, number: ModeNumber, value: f64) {
-        match number {
-            ModeNumber::Frequency => self.frequency_Hz = value,
-            ModeNumber::Damping => self.damping_ratio = value,
-            ModeNumber::Translation(axis) => self.translation[axis] = value,
-            ModeNumber::Rotation(axis) => self.rotation[axis] = value,
-            ModeNumber::InertiaSlope(k) => {
-                let (i, j) = TENSOR[k];
-                self.inertia_slope[(i, j)] = value;
-                self.inertia_slope[(j, i)] = value;
-            }
+        *self.of(number) = value;
+        if let ModeNumber::InertiaSlope(k) = number {
+            let (i, j) = TENSOR[k];
+            self.inertia_slope[(j, i)] = value;
         }
     }
 }
