@@ -3,7 +3,7 @@
 use crate::check::Check;
 use crate::file::{BodyFile, InertiaFile, Parameter, Which};
 use crate::finding::Key;
-use crate::vehicle::{Body, EstimateSet, Joint, JointKind, Model};
+use crate::vehicle::{Body, EstimateSet, JointKind, Model};
 use poinsot_files::{list, short};
 use poinsot_spatial::{MassProperties, Matrix3, Unphysical, Vector3, tensor};
 
@@ -31,11 +31,6 @@ impl InertiaFile {
         let [xy, xz, yz] = [self.xy, self.xz, self.yz].map(|x| x.unwrap_or(0.0));
         Some(tensor([self.xx?, xy, self.yy?, xz, yz, self.zz?]))
     }
-}
-
-/// The joint that carries a body, and its index in the file.
-fn joint_of<'m>(model: &'m Model, body: &Body) -> Option<&'m Joint> {
-    model.joints.get(body.joint?)
 }
 
 impl Check<'_, '_> {
@@ -223,7 +218,7 @@ impl Check<'_, '_> {
             return;
         }
         for (k, body) in model.bodies.iter().enumerate() {
-            let Some(joint) = joint_of(model, body) else {
+            let Some(joint) = model.joint_of(body) else {
                 continue;
             };
             let weightless = carried.get(k) == Some(&0.0);
@@ -249,7 +244,7 @@ impl Check<'_, '_> {
             .enumerate()
             .filter(|b| b.1.estimate.any())
         {
-            let fixed = joint_of(model, body).filter(|j| j.kind == JointKind::Fixed);
+            let fixed = model.joint_of(body).filter(|j| j.kind == JointKind::Fixed);
             let parent = fixed.and_then(|joint| model.bodies.get(joint.parent));
             if let Some(parent) = parent.filter(|parent| parent.estimate.any()) {
                 let at = order.get(k).copied().unwrap_or(k);
@@ -269,7 +264,7 @@ fn carried_mass(model: &Model) -> Vec<f64> {
     let mut carried: Vec<f64> = model.bodies.iter().map(|b| b.nominal.mass).collect();
     for (k, body) in model.bodies.iter().enumerate().rev() {
         let own = carried.get(k).copied().unwrap_or(0.0);
-        let parent = joint_of(model, body).map(|joint| joint.parent);
+        let parent = model.joint_of(body).map(|joint| joint.parent);
         if let Some(sum) = parent.and_then(|p| carried.get_mut(p)) {
             *sum += own;
         }
@@ -281,7 +276,9 @@ fn carried_mass(model: &Model) -> Vec<f64> {
 fn moving_part(model: &Model, root: usize) -> bool {
     let mut inside = vec![root];
     for (k, body) in model.bodies.iter().enumerate().skip(root + 1) {
-        let joint = joint_of(model, body).filter(|joint| inside.contains(&joint.parent));
+        let joint = model
+            .joint_of(body)
+            .filter(|joint| inside.contains(&joint.parent));
         match joint.map(|joint| joint.kind) {
             Some(JointKind::Fixed) => inside.push(k),
             Some(_) => return true,

@@ -268,10 +268,7 @@ impl Check<'_, '_> {
     ) -> (Option<Matrix3>, Vec<SlowError>) {
         let [slow, walk] = [format!("slow_{unit}"), format!("walk_{unit}_s05")];
         let lasting = self.noise(own, &slow);
-        let walk = self.noise(own, &walk).map(|covariance| SlowError {
-            covariance,
-            correlation_s: f64::INFINITY,
-        });
+        let walk = self.noise(own, &walk).zip(Some(f64::INFINITY));
         let (white, process) = match (lasting, own.file.correlation_s) {
             (Some(_), None) => {
                 let problem = "how long the slow error lasts is missing";
@@ -283,11 +280,12 @@ impl Check<'_, '_> {
             (None, Some(time)) => (None, white.zip(Some(time))),
             (lasting, time) => (white, lasting.zip(time)),
         };
-        let process = process.map(|(covariance, correlation_s)| SlowError {
+        let slow = process.into_iter().chain(walk);
+        let slow = slow.map(|(covariance, correlation_s)| SlowError {
             covariance,
             correlation_s,
         });
-        (white, process.into_iter().chain(walk).collect())
+        (white, slow.collect())
     }
 
     /// Covariance of one sample from one sigma, three sigmas, or the symmetric square root of the covariance.

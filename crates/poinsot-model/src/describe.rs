@@ -190,10 +190,7 @@ fn whole(model: &Model) -> (f64, SystemDescription) {
 fn tree(model: &Model) -> Vec<String> {
     let mut children: Vec<Vec<usize>> = vec![Vec::new(); model.bodies.len()];
     for (k, body) in model.bodies.iter().enumerate() {
-        let parent = body
-            .joint
-            .and_then(|j| model.joints.get(j))
-            .map(|j| j.parent);
+        let parent = model.joint_of(body).map(|j| j.parent);
         if let Some(list) = parent.and_then(|p| children.get_mut(p)) {
             list.push(k);
         }
@@ -204,8 +201,7 @@ fn tree(model: &Model) -> Vec<String> {
         let Some(body) = model.bodies.get(k) else {
             continue;
         };
-        let joint = body.joint.and_then(|j| model.joints.get(j));
-        let by = joint.map_or_else(String::new, |j| {
+        let by = model.joint_of(body).map_or_else(String::new, |j| {
             format!("  ({}, {})", j.name, j.kind.word())
         });
         // Deep chains are not indented; their depth is printed instead.
@@ -245,13 +241,9 @@ fn unknown(model: &Model) -> Vec<String> {
     for wheel in model.wheels.iter().filter(|w| w.estimate) {
         out.push(format!("{}: spin inertia", wheel.name));
     }
-    for mode in model
-        .modes
-        .iter()
-        .filter(|m| !m.estimate.words().is_empty())
-    {
-        let words = mode.estimate.words();
-        out.push(format!("{}: {}", mode.name, words.join(", ")));
+    let modes = model.modes.iter().map(|m| (&m.name, m.estimate.words()));
+    for (name, words) in modes.filter(|(_, words)| !words.is_empty()) {
+        out.push(format!("{name}: {}", words.join(", ")));
     }
     for joint in model.joints.iter().filter(|j| !j.spring_unknown.is_empty()) {
         let words: Vec<_> = joint.spring_unknown.iter().map(|n| n.name()).collect();

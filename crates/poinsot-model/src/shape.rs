@@ -463,26 +463,19 @@ impl Shape<'_, '_> {
     }
 
     fn number(&mut self, schema: &'static Schema, number: f64, key: &Key) -> Option<Value> {
-        if !number.is_finite() {
-            let problem = "the number is not finite";
-            let remedy = "write a finite number";
-            return self
-                .findings
-                .refused(self.format.range, key, problem, remedy);
-        }
-        if number.abs() > LARGEST {
-            let problem = "the number is larger than 1e30";
-            let remedy = "check its unit: all quantities are SI";
-            return self
-                .findings
-                .refused(self.format.range, key, problem, remedy);
-        }
         let whole = schema.get("type").is_some_and(|t| t == "integer");
-        if whole && number.fract() != 0.0 {
-            let problem = "the number is not whole";
-            return self
-                .findings
-                .refused(self.format.kind, key, problem, "write a whole number");
+        let (range, kind) = (self.format.range, self.format.kind);
+        let fault = if !number.is_finite() {
+            Some((range, "the number is not finite", "write a finite number"))
+        } else if number.abs() > LARGEST {
+            let remedy = "check its unit: all quantities are SI";
+            Some((range, "the number is larger than 1e30", remedy))
+        } else {
+            let fractional = whole && number.fract() != 0.0;
+            fractional.then_some((kind, "the number is not whole", "write a whole number"))
+        };
+        if let Some((code, problem, remedy)) = fault {
+            return self.findings.refused(code, key, problem, remedy);
         }
         if let Some((problem, remedy)) = out_of_range(schema, &key.path, number) {
             self.findings.refuse(self.code, key, problem, remedy);

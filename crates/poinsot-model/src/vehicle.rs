@@ -424,6 +424,11 @@ impl Model {
         self.bodies.iter().position(|b| b.name == name)
     }
 
+    /// The joint that carries a body; `None` for the base.
+    pub fn joint_of(&self, body: &Body) -> Option<&Joint> {
+        self.joints.get(body.joint?)
+    }
+
     /// Index of the joint with this name.
     pub fn joint(&self, name: &str) -> Option<usize> {
         self.joints.iter().position(|j| j.name == name)

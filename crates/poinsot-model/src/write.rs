@@ -66,8 +66,7 @@ pub(crate) fn file_of(model: &Model) -> ModelFile {
 }
 
 /// The entries of a list of tables; none for an empty list.
-fn each<T, F>(list: &[T], entry: impl FnMut(usize, &T) -> F) -> Option<Vec<F>> {
-    let mut entry = entry;
+fn each<T, F>(list: &[T], mut entry: impl FnMut(usize, &T) -> F) -> Option<Vec<F>> {
     let all: Vec<F> = list.iter().enumerate().map(|(k, t)| entry(k, t)).collect();
     (!all.is_empty()).then_some(all)
 }

@@ -390,10 +390,8 @@ fn relative_place(tree: &Tree, child: usize, position: f64) -> (Matrix3, Vector3
 }
 
 fn joint_name(model: &Model, child: usize) -> String {
-    model.bodies[child]
-        .joint
-        .and_then(|j| model.joints.get(j))
-        .map_or_else(|| "joint".to_owned(), |j| j.name.clone())
+    let joint = model.joint_of(&model.bodies[child]);
+    joint.map_or_else(|| "joint".to_owned(), |j| j.name.clone())
 }
 
 /// A change of all barycentric parameters as a change of the unknowns (bodies wholly unknown).
