@@ -122,11 +122,10 @@ pub(crate) fn refuse_as<T>(
     problem: impl Into<String>,
     remedy: impl Into<String>,
 ) -> Result<T, Refused> {
-    let (problem, remedy) = (problem.into(), remedy.into());
     Err(Refused {
         code,
         key,
-        problem,
-        remedy,
+        problem: problem.into(),
+        remedy: remedy.into(),
     })
 }

@@ -265,9 +265,8 @@ impl ColumnMap {
     pub fn new(channel: &str, column: &str, unit: &str) -> Self {
         Self {
             channel: channel.to_owned(),
-            column: column.to_owned(),
             unit: Some(unit.to_owned()),
-            ..Self::default()
+            ..Self::part(column)
         }
     }
 }
