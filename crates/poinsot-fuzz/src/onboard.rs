@@ -2,7 +2,7 @@
 
 use arbitrary::{Result, Unstructured};
 use nalgebra::UnitQuaternion;
-use poinsot_onboard::{Answer, Configuration, Filter, Health, Noise, Sample, Wheel};
+use poinsot_onboard::{Answer, Configuration, Filter, Health, Mode, Noise, Sample, Wheel};
 use poinsot_spatial::{Matrix3, Vector3};
 
 /// 6 s are replayed.
@@ -88,6 +88,16 @@ fn bus() -> Configuration {
     configuration
 }
 
+fn panel() -> Mode {
+    Mode {
+        frequency_Hz: 0.4,
+        damping_ratio: 0.01,
+        translation: Vector3::x() * 0.5,
+        rotation: Vector3::new(0.0, 0.3, 0.2),
+        ..Mode::default()
+    }
+}
+
 /// About the mass centre, with the wheels as they stand, kg m2.
 fn inertia() -> Matrix3 {
     Matrix3::new(10.0, 0.4, -0.3, 0.4, 12.0, 0.2, -0.3, 0.2, 8.0)
@@ -130,6 +140,9 @@ fn scatter(k: usize) -> f64 {
 }
 
 fn change_configuration(u: &mut Unstructured, c: &mut Configuration) -> Result<()> {
+    if u.arbitrary()? {
+        *c = c.with_mode(panel());
+    }
     let value = number(u)?;
     let body = c.known.iter_mut().chain(&mut c.nominal);
     let wheels = c.wheels.iter_mut().flat_map(|w| {
@@ -143,9 +156,14 @@ fn change_configuration(u: &mut Unstructured, c: &mut Configuration) -> Result<(
         &mut n.torque_walk,
         &mut c.longest_gap_s,
         &mut c.stale_s,
+        &mut c.forget_s,
     ];
+    let modes = c.modes.iter_mut().flat_map(|m| {
+        let first = [&mut m.frequency_Hz, &mut m.damping_ratio].into_iter();
+        first.chain(&mut m.translation).chain(&mut m.rotation)
+    });
     let all = body.chain(c.prior.as_flattened_mut()).chain(wheels);
-    let all: Vec<&mut f64> = all.chain(noise).chain(last).collect();
+    let all: Vec<&mut f64> = all.chain(noise).chain(last).chain(modes).collect();
     let place = u.choose_index(all.len())?;
     if let Some(number) = all.into_iter().nth(place) {
         *number = value;

@@ -51,6 +51,7 @@ pub use filter::Filter;
 pub use ground::GroundFilter;
 pub use health::{Health, SensorCounts};
 pub use layout::COLUMNS;
+pub use poinsot_dynamics::propagation::Mode;
 pub use sample::Sample;
 pub use stream::Refusal;
 pub use table::{TABLE, TableError};

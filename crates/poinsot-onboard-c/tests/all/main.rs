@@ -17,5 +17,8 @@ mod arm;
 #[path = "../../../poinsot-onboard/tests/all/setups.rs"]
 #[allow(dead_code)]
 mod setups;
+#[path = "../../../poinsot-onboard/tests/all/sprung.rs"]
+#[allow(dead_code)]
+mod sprung;
 #[path = "../../../poinsot-onboard/tests/all/truth.rs"]
 mod truth;

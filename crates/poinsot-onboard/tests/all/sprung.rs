@@ -3,8 +3,8 @@
 
 use crate::truth::{Motion, Truth};
 use nalgebra::{DMatrix, DVector, Matrix3, UnitQuaternion, Vector3};
-use poinsot_dynamics::propagation::Mode;
-use poinsot_onboard::{Configuration, WHEELS};
+
+use poinsot_onboard::{Configuration, Mode, WHEELS};
 use std::f64::consts::TAU;
 
 /// Longest step of the integration, s.
