@@ -299,6 +299,22 @@ impl Configuration {
         self.joints.get(..self.joint_count).unwrap_or_default()
     }
 
+    /// Places of the unknown parameters.
+    pub(crate) fn unknowns(&self) -> impl Iterator<Item = usize> {
+        let unknown = self.unknown;
+        (0..PARAMETERS).filter(move |k| unknown[*k])
+    }
+
+    /// Places of the inputs that the vehicle has.
+    pub(crate) fn driven(&self) -> impl Iterator<Item = usize> {
+        let joints = self.joint_count.min(JOINTS);
+        let positions = of_joint(0)..of_joint(joints);
+        let rates = of_rate(0)..of_rate(joints);
+        (0..self.wheel_count.min(WHEELS))
+            .chain(positions)
+            .chain(rates)
+    }
+
     /// Noise of an input, one sigma; zero where the vehicle does not have it.
     pub(crate) fn input_noise(&self, k: usize) -> f64 {
         let joint = |j: usize| self.joints().get(j);

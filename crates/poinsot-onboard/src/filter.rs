@@ -6,8 +6,8 @@ use crate::health::{Checkpoints, SENSORS, SensorCounts, Tests};
 use crate::information::{OfParameters, Rows, back_substitute, copy_triangle, eliminate};
 use crate::layout::{Layout, noises};
 use crate::motion::{
-    Acting, Bend, Columns, Excitation, Flexing, Interval, Linear, Moving, ParameterSlope, Placed,
-    Scratch, angular, motion_of, parameter_slopes,
+    Acting, Bend, Columns, Excitation, Flexing, Interval, Linear, Moving, Placed, Scratch, Slopes,
+    angular, motion_of,
 };
 use crate::posture::{Posture, halves, stacked};
 use crate::sample::Sample;
@@ -15,9 +15,10 @@ use crate::stream::{Stream, Window};
 use core::f64::consts::TAU;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField;
-use nalgebra::{SMatrix, SVector, SymmetricEigen, UnitQuaternion};
+use nalgebra::{ArrayStorage, SMatrix, SVector, SymmetricEigen, UnitQuaternion};
 use poinsot_dynamics::propagation::{
-    COLUMN, Column, FlexibleMotion, FlexibleState, HALF, INTERNAL, PerMode, PoseMomentum, STATE,
+    COLUMN, Column, FlexibleMotion, FlexibleState, HALF, INTERNAL, MOST_MODES, PerMode,
+    PoseMomentum, STATE,
 };
 use poinsot_spatial::{Matrix3, Vector3, Vector6, elements};
 
@@ -71,12 +72,11 @@ impl Running {
     }
 }
 
-/// The last interval, and what the parameters did to the state in it.
+/// The last interval.
 #[derive(Clone, Copy)]
 struct Step {
     from: FlexibleState,
     interval: Interval,
-    parameters: [Column; PARAMETERS],
 }
 
 /// Recursive estimate of mass properties.
@@ -130,7 +130,6 @@ pub(crate) struct Here {
     state: FlexibleState,
     pub posture: Posture,
     R: Matrix3,
-    slopes: [ParameterSlope; PARAMETERS],
 }
 
 /// What a parameter does to the momenta, pose and rates held: linear and angular in N, those of the modes.
@@ -141,6 +140,11 @@ struct MomentumSlope {
 }
 
 impl MomentumSlope {
+    const NONE: Self = Self {
+        rigid: Vector6::from_array_storage(ArrayStorage([[0.0; HALF]])),
+        modes: PerMode::from_array_storage(ArrayStorage([[0.0; MOST_MODES]])),
+    };
+
     fn less(&self, other: &Self) -> Self {
         Self {
             rigid: self.rigid - other.rigid,
@@ -157,16 +161,6 @@ impl MomentumSlope {
 }
 
 impl Here {
-    fn momentum_slopes(&self) -> [MomentumSlope; PARAMETERS] {
-        self.slopes.each_ref().map(|slope| {
-            let (l, h) = halves(&slope.momentum);
-            MomentumSlope {
-                rigid: stacked(&(self.R * l), &(self.R * h)),
-                modes: slope.of_modes,
-            }
-        })
-    }
-
     /// The vehicle as it was placed last.
     pub fn placed<'a>(&'a self, scratch: &'a Scratch) -> Placed<'a> {
         let flexing = scratch.flexing[0].as_ref();
@@ -307,14 +301,20 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         self.running = None;
     }
 
-    /// Follows a motion over an interval, and its columns.
-    fn follow(&mut self, from: &FlexibleState, interval: &Interval) -> Option<FlexibleState> {
+    /// Follows a motion over an interval, and its columns, or those of the parameters alone.
+    fn follow(
+        &mut self,
+        from: &FlexibleState,
+        interval: &Interval,
+        parameters_alone: bool,
+    ) -> Option<FlexibleState> {
         let moving = Moving::new(&self.configuration, &self.body);
-        self.columns.begin();
+        self.columns.begin(&self.configuration);
         let linear = Linear {
             columns: &mut self.columns,
             shown: &self.shown,
             scratch: &mut self.scratch,
+            parameters_alone,
         };
         moving.follow(from, interval, linear)
     }
@@ -418,7 +418,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             dt: sample.time_s - running.time_s,
         };
         self.shown.watch(&self.configuration, &inputs);
-        running.state = self.follow(&running.state, &interval)?;
+        running.state = self.follow(&running.state, &interval, false)?;
         running.time_s = sample.time_s;
         (running.read, running.inputs) = (inputs, inputs);
         running.force_B = sample.force_B.into();
@@ -426,11 +426,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         running.age = running.age.saturating_add(1);
         self.running = Some(running);
         self.update_time(&interval)?;
-        Some(Step {
-            from,
-            interval,
-            parameters: self.columns.parameters,
-        })
+        Some(Step { from, interval })
     }
 
     /// The triangle over the state at the end of an interval: the old state is replaced, the noises that entered are eliminated.
@@ -593,22 +589,32 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         if calm != running.inputs {
             (posture, motion) = place(&calm)?;
         }
-        let state = &running.state;
-        let placed = Placed {
-            posture: &posture,
-            motion: &motion,
-            modes: self.scratch.flexing[0]
-                .as_ref()
-                .map(|f| f.at(&state.internal)),
-        };
         Some(Here {
             rate: running.rate,
-            state: *state,
-            R: state.R_NB.to_rotation_matrix().into_inner(),
-            slopes: parameter_slopes(&placed, &self.shown),
+            state: running.state,
+            R: running.state.R_NB.to_rotation_matrix().into_inner(),
             motion,
             posture,
         })
+    }
+
+    fn slopes<'a>(&'a self, here: &'a Here) -> Slopes<'a> {
+        Slopes::new(here.placed(&self.scratch), &self.shown)
+    }
+
+    /// What each unknown parameter does to the momenta.
+    fn momentum_slopes(&self, here: &Here) -> [MomentumSlope; PARAMETERS] {
+        let mut out = [MomentumSlope::NONE; PARAMETERS];
+        let slopes = self.slopes(here);
+        for &k in self.layout.unknown() {
+            let slope = slopes.of(k);
+            let (l, h) = halves(&slope.momentum);
+            out[k] = MomentumSlope {
+                rigid: stacked(&(here.R * l), &(here.R * h)),
+                modes: slope.of_modes,
+            };
+        }
+        out
     }
 
     /// All measurements of a sample.
@@ -697,12 +703,13 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     /// Linearises the last interval about the inputs found at its end.
     fn straighten(&mut self, mut step: Step) -> Option<()> {
         step.interval.found[1] = self.running?.found();
-        self.follow(&step.from, &step.interval)?;
+        let before = self.columns.parameters;
+        self.follow(&step.from, &step.interval, true)?;
         let (layout, columns) = (self.layout, &self.columns);
         for row in &mut self.rows[..layout.columns()] {
             let over = layout.of_state(row);
             for (j, &k) in layout.unknown().iter().enumerate() {
-                row[layout.theta() + j] -= over.dot(&(columns.parameters[k] - step.parameters[k]));
+                row[layout.theta() + j] -= over.dot(&(columns.parameters[k] - before[k]));
             }
         }
         Some(())
@@ -736,6 +743,13 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         };
         let inputs = here.placed(&self.scratch).input_twists(&self.configuration);
         let inputs = inputs.map(|t| angular(&t));
+        let slopes = self.slopes(&here);
+        for (j, &k) in layout.unknown().iter().enumerate() {
+            let turn = angular(&slopes.of(k).change.twist);
+            for (row, turn) in out.rows.iter_mut().zip(&turn) {
+                row[layout.theta() + j] = turn / noise;
+            }
+        }
         for (axis, row) in out.rows.iter_mut().enumerate() {
             for (k, &input) in layout.inputs().iter().enumerate() {
                 row[k] = inputs[input][axis] / noise;
@@ -744,9 +758,6 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
                 row[layout.pose() + k] = slope(AXES + axis, *component) / noise;
             }
             row[layout.bias() + axis] = 1.0 / noise;
-            for (j, &k) in layout.unknown().iter().enumerate() {
-                row[layout.theta() + j] = angular(&here.slopes[k].change.twist)[axis] / noise;
-            }
         }
         Some(out)
     }
@@ -835,7 +846,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         // An error of an input is white: what is known of the momentum does not follow it.
         self.move_inputs(change)?;
         let here = self.here()?;
-        let before = here.momentum_slopes();
+        let before = self.momentum_slopes(&here);
         let layout = self.layout;
         let running = self.running.as_mut()?;
         let state = layout.of_state(change);
@@ -855,7 +866,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let there = self.here()?;
         self.shown
             .add(&self.configuration, &there.placed(&self.scratch));
-        let after = there.momentum_slopes();
+        let after = self.momentum_slopes(&there);
         let apart: [MomentumSlope; PARAMETERS] =
             core::array::from_fn(|k| after[k].less(&before[k]));
         let stays = moved == [0.0; PARAMETERS];

@@ -114,10 +114,18 @@ impl Columns {
     }
 
     /// At the beginning of an interval.
-    pub fn begin(&mut self) {
-        *self = Self::NONE;
+    pub fn begin(&mut self, configuration: &Configuration) {
         for (k, column) in self.state.iter_mut().enumerate() {
+            column.fill(0.0);
             column[k] = 1.0;
+        }
+        for k in configuration.driven() {
+            self.inputs
+                .iter_mut()
+                .for_each(|of_end| of_end[k].fill(0.0));
+        }
+        for k in configuration.unknowns() {
+            self.parameters[k].fill(0.0);
         }
     }
 }
@@ -127,6 +135,8 @@ pub struct Linear<'a> {
     pub columns: &'a mut Columns,
     pub shown: &'a Excitation,
     pub scratch: &'a mut Scratch,
+    /// Whether the columns of state and inputs are not asked for.
+    pub parameters_alone: bool,
 }
 
 /// The vehicle at one value of the parameters.
@@ -363,41 +373,58 @@ pub struct ParameterSlope {
     pub mass: f64,
 }
 
-/// What each parameter of the unknown body does.
-pub fn parameter_slopes(placed: &Placed, shown: &Excitation) -> [ParameterSlope; PARAMETERS] {
-    let (posture, motion) = (placed.posture, placed.motion);
-    let (c, l_B) = (motion.centre.p_BoScm_B, motion.centre.l_B);
-    let (R, p) = (&posture.unknown.R, &posture.unknown.p);
-    let shown_w = shown.projector * motion.twist.w;
-    let not_shown = motion.twist.w - shown_w;
-    let (by_joints, turn) = halves(&posture.of_unknown);
-    let w = shown_w + turn;
-    // Of the unknown body's origin.
-    let v = motion.twist.v + not_shown.cross(&c) + by_joints + w.cross(p);
-    let tensor = R * tensor_regressor(&(R.transpose() * w));
-    let rest = motion.centre.I_SScm_B * not_shown;
-    let shares = shown.shares(&motion.centre.I_SScm_B, R);
-    core::array::from_fn(|k| {
-        let (l, h) = match k {
-            0 => (v, Vector3::zeros()),
+/// What the parameters of the unknown body do.
+pub struct Slopes<'a> {
+    placed: Placed<'a>,
+    /// Its origin's velocity, and its rate along what was shown.
+    v: Vector3,
+    w: Vector3,
+    tensor: SMatrix<f64, 3, 6>,
+    rest: Vector3,
+    shares: [f64; 6],
+}
+
+impl<'a> Slopes<'a> {
+    pub fn new(placed: Placed<'a>, shown: &Excitation) -> Self {
+        let (posture, motion) = (placed.posture, placed.motion);
+        let centre = &motion.centre;
+        let (R, p) = (&posture.unknown.R, &posture.unknown.p);
+        let shown_w = shown.projector * motion.twist.w;
+        let not_shown = motion.twist.w - shown_w;
+        let (by_joints, turn) = halves(&posture.of_unknown);
+        let w = shown_w + turn;
+        Self {
+            placed,
+            v: motion.twist.v + not_shown.cross(&centre.p_BoScm_B) + by_joints + w.cross(p),
+            w,
+            tensor: R * tensor_regressor(&(R.transpose() * w)),
+            rest: centre.I_SScm_B * not_shown,
+            shares: shown.shares(&centre.I_SScm_B, R),
+        }
+    }
+
+    /// Of one parameter.
+    pub fn of(&self, k: usize) -> ParameterSlope {
+        let (placed, v) = (&self.placed, &self.v);
+        let (posture, motion) = (placed.posture, placed.motion);
+        let (c, l_B) = (motion.centre.p_BoScm_B, motion.centre.l_B);
+        let (R, p) = (&posture.unknown.R, &posture.unknown.p);
+        let none = Vector3::zeros();
+        let (l, h, mass, first_moment) = match k {
+            0 => (*v, none, 1.0, *p),
             1..=AXES => {
                 let axis = R.column(k - 1).into_owned();
-                (w.cross(&axis), axis.cross(&v))
+                (self.w.cross(&axis), axis.cross(v), 0.0, axis)
             }
             _ => {
                 let element = k - AXES - 1;
-                let h = tensor.column(element) + rest * shares[element];
-                (Vector3::zeros(), h)
+                let h = self.tensor.column(element) + self.rest * self.shares[element];
+                (none, h, 0.0, none)
             }
         };
         let h = h + p.cross(&l);
         let centre = motion.mass_centre_slope(R, p, k);
         let about_centre = h - c.cross(&l) - centre.cross(&l_B);
-        let (mass, first_moment) = match k {
-            0 => (1.0, *p),
-            1..=AXES => (0.0, R.column(k - 1).into_owned()),
-            _ => (0.0, Vector3::zeros()),
-        };
         let held = Held {
             momentum: stacked(&l, &h),
             centre,
@@ -413,11 +440,11 @@ pub fn parameter_slopes(placed: &Placed, shown: &Excitation) -> [ParameterSlope;
             centre,
             mass,
         }
-    })
+    }
 }
 
 /// The equations at one point of a step.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 struct Point {
     pose: StateRows,
     push: StateRows,
@@ -497,6 +524,11 @@ pub fn motion_of(
 }
 
 impl Interval {
+    /// Whether anything acts from outside: otherwise the momenta stay.
+    fn pushes(&self) -> bool {
+        self.force_B != Vector3::zeros() || self.torque_B != Vector3::zeros()
+    }
+
     fn central_torque(&self, motion: &BaseMotion) -> Vector3 {
         self.torque_B - motion.centre.p_BoScm_B.cross(&self.force_B)
     }
@@ -685,24 +717,29 @@ impl<'a> Moving<'a> {
         let last = over.rate(StepPoint::End, &end)?;
         let middle = state_in_middle((state, &rate), (&end, &last), dt);
         for (at, state) in [state, &middle, &end].into_iter().enumerate() {
-            let place = (linear.shown, &mut linear.scratch.flexing[at]);
-            linear.scratch.points[at] = Some(self.point(state, (interval, shares[at]), place)?);
+            let Scratch { flexing, points } = linear.scratch;
+            let place = (&mut flexing[at], points[at].get_or_insert_default());
+            self.point(state, (interval, shares[at]), linear.shown, place)?;
         }
         self.carry((shares, interval), dt, linear)?;
         Some(end)
     }
 
-    // Its arrays are not on the stack of every sample.
-    #[inline(never)]
+    /// Fills the equations at one point.
     fn point(
         &self,
         state: &FlexibleState,
         (interval, share): (&Interval, f64),
-        (shown, flexing): (&Excitation, &mut Option<Flexing>),
-    ) -> Option<Point> {
+        shown: &Excitation,
+        (flexing, out): (&mut Option<Flexing>, &mut Point),
+    ) -> Option<()> {
         let inputs = shown.calm(&interval.inputs_at(share));
         let (posture, locked) = self.place(&inputs, &interval.beyond(share), flexing)?;
-        let flexible = flexing.as_ref().map(|f| &f.flexible);
+        let (mut flexible, mut modes) = (None, None);
+        if let Some(f) = flexing {
+            flexible = Some(&f.flexible);
+            modes = Some((&mut f.rows, &mut f.inputs, &mut f.parameters));
+        }
         let motion = &motion_of(&locked, flexible, state)?;
         let placed = Placed {
             posture: &posture,
@@ -711,33 +748,31 @@ impl<'a> Moving<'a> {
         };
         let R: Matrix3 = state.R_NB.to_rotation_matrix().into_inner();
         let force = &interval.force_B;
-        let slopes = parameter_slopes(&placed, shown);
-        let inputs: [FlexibleChange; INPUTS] =
-            core::array::from_fn(|k| placed.input_slope(self.configuration, k));
-        let own = slopes.each_ref().map(|s| {
-            let lighter = force * (-s.mass / motion.centre.mass);
-            placed.mode_rates(&s.change, &lighter)
-        });
-        let by_inputs = inputs
-            .each_ref()
-            .map(|x| placed.mode_rates(x, &Vector3::zeros()));
-        let mut map = motion.twist_rows(state);
-        if let Some(flexing) = flexing {
-            let Flexing { flexible, rows, .. } = flexing;
-            flexible.rows(motion, state, (&mut map, rows), force);
-            (flexing.inputs, flexing.parameters) = (by_inputs, own);
+        for k in self.configuration.driven() {
+            let change = placed.input_slope(self.configuration, k);
+            out.inputs[k] = pose_change(&R, &change.twist);
+            if let Some((_, inputs, _)) = &mut modes {
+                inputs[k] = placed.mode_rates(&change, &Vector3::zeros());
+            }
         }
-        let torque = interval.central_torque(motion);
-        Some(Point {
-            pose: motion.pose_rows(state, &map),
-            push: StateRows::of_wrench(state, force, &torque),
-            inputs: inputs.map(|x| pose_change(&R, &x.twist)),
-            parameters: slopes.each_ref().map(|s| pose_change(&R, &s.change.twist)),
-            pushes: slopes.map(|s| {
-                let h = R * force.cross(&s.centre);
-                Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z)
-            }),
-        })
+        let slopes = Slopes::new(placed, shown);
+        for k in self.configuration.unknowns() {
+            let slope = slopes.of(k);
+            let h = R * force.cross(&slope.centre);
+            out.parameters[k] = pose_change(&R, &slope.change.twist);
+            out.pushes[k] = Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z);
+            if let Some((_, _, parameters)) = &mut modes {
+                let lighter = force * (-slope.mass / motion.centre.mass);
+                parameters[k] = placed.mode_rates(&slope.change, &lighter);
+            }
+        }
+        let mut map = motion.twist_rows(state);
+        if let Some((flexible, (rows, _, _))) = flexible.zip(modes) {
+            flexible.rows(motion, state, (&mut map, rows), force);
+        }
+        out.pose = motion.pose_rows(state, &map);
+        out.push = StateRows::of_wrench(state, force, &interval.central_torque(motion));
+        Some(())
     }
 
     /// Carries all columns over a step.
@@ -753,13 +788,22 @@ impl<'a> Moving<'a> {
         let flexing = flexing.each_ref().map(Option::as_ref);
         let rows = StepRows {
             pose: points.map(|p| &p.pose),
-            momentum: points.map(|p| Some(&p.push)),
+            momentum: points.map(|p| interval.pushes().then_some(&p.push)),
             modes: flexing.map(|f| f.map(|f| &f.rows)),
         };
-        let of_modes = |part: &dyn Fn(&Flexing) -> Internal| {
-            flexing.map(|f| f.map_or_else(Internal::zeros, part).into())
-        };
         let columns = &mut *linear.columns;
+        for k in self.configuration.unknowns() {
+            let of_modes = flexing.map(|f| f.map_or_else(Internal::zeros, |f| f.parameters[k]));
+            let drives = Drives {
+                pose: points.map(|p| p.parameters[k].into()),
+                push: points.map(|p| p.pushes[k].into()),
+                internal: of_modes.map(Into::into),
+            };
+            rows.carry_column(&mut columns.parameters[k], &drives, dt);
+        }
+        if linear.parameters_alone {
+            return Some(());
+        }
         let used = STATE + 2 * self.configuration.mode_count;
         for column in columns.state.iter_mut().take(used) {
             rows.carry_column(column, &Drives::NONE, dt);
@@ -781,14 +825,6 @@ impl<'a> Moving<'a> {
                     rows.carry_column(column, &drives, dt);
                 }
             }
-        }
-        for (k, column) in columns.parameters.iter_mut().enumerate() {
-            let drives = Drives {
-                pose: points.map(|p| p.parameters[k].into()),
-                push: points.map(|p| p.pushes[k].into()),
-                internal: of_modes(&|f| f.parameters[k]),
-            };
-            rows.carry_column(column, &drives, dt);
         }
         Some(())
     }

@@ -143,13 +143,19 @@ impl<R: Copy> StepRows<'_, R> {
 }
 
 impl StepRows<'_> {
-    /// Carries a column over a step of `dt` seconds.
+    /// Carries a column over a step of `dt` seconds. Without modes the momenta stay where [`Self::momentum`] is not there.
     pub fn carry_column(&self, x: &mut Column, drives: &Drives, dt: f64) {
         let x = &mut x.data.0[0];
         if self.modes.iter().any(Option::is_some) {
             self.carry_flexible(x, drives, dt);
         } else if let Some(x) = x.first_chunk_mut() {
-            self.carry(x, &drives.pose, &drives.push, dt);
+            if self.momentum.iter().any(Option::is_some) {
+                self.carry(x, &drives.pose, &drives.push, dt);
+            } else {
+                let [.., a, b, c, d, e, f] = *x;
+                let held = self.held(&[a, b, c, d, e, f], &drives.pose);
+                self.carry_pose(x, &held, dt);
+            }
         }
     }
 
