@@ -84,16 +84,76 @@ fn xval_follow_ends_where_identify_does() {
         (&"determined".into(), &0.into())
     );
     let estimate = read(&folder.path().join("answer/estimate.json"));
+    agree(last, &estimate);
+}
+
+/// The last line of the filter and the answer of a fit. The filter takes speeds as straight between samples, a fit finds that they are
+/// smooth.
+fn agree(last: &Value, estimate: &Value) {
     for element in ["xx", "yy", "zz", "xy", "xz", "yz"] {
-        let (value, sigma) = of_body(&estimate, element);
+        let (value, sigma) = of_body(estimate, element);
         let mut numbers = last["numbers"].as_object().unwrap().iter();
         let (_, own) = numbers.find(|(name, _)| name.ends_with(element)).unwrap();
         let ratio = own["sigma"].as_f64().unwrap() / sigma;
         let off = (own["value"].as_f64().unwrap() - value) / sigma;
         println!("{element}: {off:.2} sigma from identify, sigma {ratio:.3} of its sigma");
-        // The filter takes speeds as straight between samples; identify finds that they are smooth.
         assert!(off.abs() < 2.0 && (0.8..1.3).contains(&ratio));
     }
+}
+
+/// The satellite with a panel on a bracket that is turned against it.
+fn with_panel() -> String {
+    let panel = r#"
+[[body]]
+name = "panel"
+mass_kg = 6.0
+com_m = [0.8, 0.0, 0.0]
+inertia_kg_m2 = { xx = 0.1, yy = 1.1, zz = 1.2 }
+
+[[joint]]
+name = "bracket"
+type = "fixed"
+parent = "bus"
+child = "panel"
+origin_m = [0.5, 0.1, -0.3]
+rotation_xyzw = [0.2, -0.4, 0.4, 0.8]
+
+[[mode]]
+name = "bending"
+body = "panel"
+frequency_Hz = 0.06
+damping_ratio = 0.01
+translation_kg05 = [0.0, 0.2, 1.5]
+rotation_kg05_m = [0.1, -1.4, 0.2]
+"#;
+    std::fs::read_to_string(model()).unwrap() + panel
+}
+
+/// A mode of a body that is fixed to the base, turned and away from it.
+#[test]
+fn xval_follow_takes_a_mode_as_identify_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    std::fs::write(at("model.toml"), with_panel()).unwrap();
+    let case = std::fs::read_to_string(shipped().join("pyramid.toml")).unwrap();
+    let case = case.replace("pyramid_truth.toml", "model.toml");
+    std::fs::write(at("case.toml"), case).unwrap();
+    done(poinsot(folder.path()).args(["simulate", "case.toml", "--out", "sim"]));
+    let files = ["follow", "model.toml", "sim/telemetry.csv"];
+    let found = lines(&done(poinsot(folder.path()).args(files)));
+    let answer = ["--telemetry", "sim/telemetry.csv", "--out", "answer"];
+    done(
+        poinsot(folder.path())
+            .args(["identify", "--model", "model.toml"])
+            .args(answer),
+    );
+    agree(found.last().unwrap(), &read(&at("answer/estimate.json")));
+    // Without the mode the stream is that of another vehicle.
+    let text = with_panel();
+    std::fs::write(at("model.toml"), text.split_once("[[mode]]").unwrap().0).unwrap();
+    let rigid = poinsot(folder.path()).args(files).output().unwrap();
+    assert_eq!(rigid.status.code(), Some(1));
+    assert_ne!(lines(&rigid).last().unwrap()["health"], "determined");
 }
 
 /// The model of the branched arm without its sensor of velocity; one body is unknown, its nominal mass a tenth off.
