@@ -444,7 +444,7 @@ impl<'a> Slopes<'a> {
 }
 
 /// The equations at one point of a step.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 struct Point {
     pose: StateRows,
     push: StateRows,
@@ -474,14 +474,27 @@ impl Flexing {
 pub struct Scratch {
     /// Of a vehicle with modes.
     pub flexing: [Option<Flexing>; 3],
-    points: [Option<Point>; 3],
+    points: [Point; 3],
+}
+
+impl Point {
+    const NONE: Self = {
+        let none = Vector6::from_array_storage(ArrayStorage([[0.0; 6]]));
+        Self {
+            pose: StateRows::NONE,
+            push: StateRows::NONE,
+            inputs: [none; INPUTS],
+            parameters: [none; PARAMETERS],
+            pushes: [none; PARAMETERS],
+        }
+    };
 }
 
 impl Scratch {
     /// For a vehicle without modes.
     pub const NONE: Self = Self {
         flexing: [const { None }; 3],
-        points: [const { None }; 3],
+        points: [Point::NONE; 3],
     };
 }
 
@@ -718,10 +731,10 @@ impl<'a> Moving<'a> {
         let middle = state_in_middle((state, &rate), (&end, &last), dt);
         for (at, state) in [state, &middle, &end].into_iter().enumerate() {
             let Scratch { flexing, points } = linear.scratch;
-            let place = (&mut flexing[at], points[at].get_or_insert_default());
+            let place = (&mut flexing[at], &mut points[at]);
             self.point(state, (interval, shares[at]), linear.shown, place)?;
         }
-        self.carry((shares, interval), dt, linear)?;
+        self.carry((shares, interval), dt, linear);
         Some(end)
     }
 
@@ -776,15 +789,9 @@ impl<'a> Moving<'a> {
     }
 
     /// Carries all columns over a step.
-    fn carry(
-        &self,
-        (shares, interval): ([f64; 3], &Interval),
-        dt: f64,
-        linear: &mut Linear,
-    ) -> Option<()> {
+    fn carry(&self, (shares, interval): ([f64; 3], &Interval), dt: f64, linear: &mut Linear) {
         let Scratch { flexing, points } = &*linear.scratch;
-        let [begin, middle, end] = points;
-        let points = [begin.as_ref()?, middle.as_ref()?, end.as_ref()?];
+        let points = points.each_ref();
         let flexing = flexing.each_ref().map(Option::as_ref);
         let rows = StepRows {
             pose: points.map(|p| &p.pose),
@@ -802,7 +809,7 @@ impl<'a> Moving<'a> {
             rows.carry_column(&mut columns.parameters[k], &drives, dt);
         }
         if linear.parameters_alone {
-            return Some(());
+            return;
         }
         let used = STATE + 2 * self.configuration.mode_count;
         for column in columns.state.iter_mut().take(used) {
@@ -826,6 +833,5 @@ impl<'a> Moving<'a> {
                 }
             }
         }
-        Some(())
     }
 }

@@ -32,7 +32,8 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             return;
         }
         let moving = Moving::new(&self.configuration, &self.body);
-        if !self.window.gather(sample, &moving) || !self.window.is_due() {
+        let taken = self.window.gather(sample, &moving);
+        if !taken || !self.window.is_due(&self.configuration) {
             return;
         }
         let verdict = self.replay();

@@ -1,6 +1,6 @@
 //! Order and clock of the samples.
 
-use crate::configuration::HELD_BACK;
+use crate::configuration::{Configuration, HELD_BACK};
 use crate::motion::{Acting, Bend, Moving};
 use crate::sample::Sample;
 use core::f64::consts::TAU;
@@ -126,6 +126,8 @@ pub(crate) struct Window<const WINDOW: usize> {
     pub done: bool,
     /// Whether what is known comes from a replay.
     pub replayed: bool,
+    /// How many there were when they were replayed last.
+    seen: usize,
     /// How often every second one was left out.
     thinned: u32,
     /// Samples left out since the one that was kept last.
@@ -204,6 +206,7 @@ impl<const WINDOW: usize> Window<WINDOW> {
         count: 0,
         done: false,
         replayed: false,
+        seen: 0,
         thinned: 0,
         left_out: 0,
         since: Since::NOTHING,
@@ -212,6 +215,7 @@ impl<const WINDOW: usize> Window<WINDOW> {
     /// Begins anew.
     pub fn restart(&mut self) {
         (self.count, self.thinned, self.left_out) = (0, 0, 0);
+        self.seen = 0;
         (self.done, self.replayed) = (false, false);
     }
 
@@ -229,9 +233,19 @@ impl<const WINDOW: usize> Window<WINDOW> {
         self.gather_every(sample, (&Bend::NONE, moving), 1 << self.thinned)
     }
 
-    /// Whether it is full, or a thinned one by three quarters: from one replay to the next it grows by a half or a third.
-    pub fn is_due(&self) -> bool {
-        self.count == WINDOW || (self.thinned > 0 && self.count == WINDOW - WINDOW / 4)
+    /// Whether it is to be replayed: first at a tenth, with modes when it is full, since few samples do not tell them from turns; from
+    /// one time to the next it grows by a third.
+    pub fn is_due(&mut self, configuration: &Configuration) -> bool {
+        let first = match configuration.mode_count {
+            0 => WINDOW.div_ceil(10),
+            _ => WINDOW,
+        };
+        let grown = self.seen + self.seen.div_ceil(3);
+        let due = self.count >= grown.clamp(first, WINDOW);
+        if due {
+            self.seen = self.count;
+        }
+        due
     }
 
     /// Keeps one sample of so many, and one that measures what the kept one before does not. Of what acted in between the impulse and
@@ -301,6 +315,7 @@ impl<const WINDOW: usize> Window<WINDOW> {
             let (sample, bend) = (self.samples[k], self.bends[k]);
             self.gather_every(&sample, (&bend, moving), 2);
         }
+        self.seen = self.count;
         self.left_out <<= self.thinned;
         self.thinned += 1;
         true

@@ -92,6 +92,13 @@ pub(super) fn add<R: Copy, T: Real + Mul<R, Output = T>>(
 }
 
 impl StateRows {
+    /// No slope.
+    pub const NONE: Self = Self {
+        attitude: [[0.0; HALF]; ATTITUDE],
+        momentum: [[0.0; HALF]; HALF],
+        coupled: false,
+    };
+
     /// The rows of a matrix, of which the three columns of the position are zero.
     pub fn of_matrix(rows: &Matrix6x12) -> Self {
         let columns = &rows.data.0;

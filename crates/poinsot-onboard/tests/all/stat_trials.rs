@@ -200,3 +200,52 @@ fn xval_sigma_is_that_of_one_least_squares_problem() {
         }
     }
 }
+
+/// Samples after which one least squares problem knows all numbers to half of the prior.
+fn needed(setup: &Setup, motions: &[Motion]) -> usize {
+    let prior: Vec<f64> = setup.sigma.iter().copied().filter(|s| *s > 0.0).collect();
+    let knows = |count: usize| {
+        let sigma = dense::bound(setup, motions, count);
+        sigma
+            .iter()
+            .zip(&prior)
+            .all(|(sigma, prior)| *sigma < 0.5 * prior)
+    };
+    let (mut less, mut enough) = (2, 4);
+    while !knows(enough) {
+        (less, enough) = (enough, 2 * enough);
+    }
+    while enough - less > 1 {
+        let half = usize::midpoint(less, enough);
+        if knows(half) {
+            enough = half;
+        } else {
+            less = half;
+        }
+    }
+    enough
+}
+
+#[test]
+fn xval_numbers_come_soon_after_one_least_squares_problem_has_them() {
+    let trials = trials();
+    for setup in setups::all() {
+        let motions = setup.truth.motions(&setup.configuration);
+        let needed = needed(&setup, &motions);
+        let mut first: Vec<usize> = (0..trials)
+            .map(|seed| {
+                let answers = run(&setup, seed).0;
+                let told = answers.iter().position(|a| a.health == Health::Determined);
+                told.unwrap() + 1
+            })
+            .collect();
+        first.sort_unstable();
+        let most = first[first.len() * 95 / 100 - 1];
+        println!(
+            "{}: determined after {} samples (median), {most} in 95 % of the trials; one problem needs {needed}",
+            setup.name,
+            first[first.len() / 2]
+        );
+        assert!(2 * most <= 3 * needed);
+    }
+}
