@@ -8,7 +8,7 @@ from pathlib import Path
 FOLDER = Path(sys.argv[1])
 NAMES = ("m", "mc_x", "mc_y", "mc_z", "I_xx", "I_xy", "I_yy", "I_xz", "I_yz", "I_zz")
 # Relative difference of a number; bytes of stack.
-LARGEST_DIFFERENCE, LARGEST_STACK = 1.0e-9, 64 * 1024
+LARGEST_DIFFERENCE, LARGEST_STACK, LARGEST_PROGRAM = 1.0e-9, 64 * 1024, 400_000
 
 
 def packets(name: str) -> list[tuple[list[str], list[float]]]:

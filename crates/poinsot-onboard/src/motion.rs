@@ -58,28 +58,28 @@ pub struct Bend {
     /// Momentum of the wheels less the impulse, about `Bo` in B, and twist of the base by the joints, above those of the inputs between
     /// both ends; integrals over the interval, N s2 and N m s2, m and rad.
     pub offset: [[f64; 2 * AXES]; 2],
-    /// Intervals between readings.
-    pub readings: u32,
+    /// Readings in between.
+    pub between: u32,
 }
 
 impl Bend {
     /// No reading in between.
     pub const NONE: Self = Self {
         offset: [[0.0; 2 * AXES]; 2],
-        readings: 1,
+        between: 0,
     };
 
     /// What an error of the speed at the beginning is at `x` of the interval. It has a share of `1 / 2n` in the mean of `n + 1`
     /// readings (trapezoids).
     fn of_begin(&self, x: f64) -> f64 {
-        let mean = 0.5 / f64::from(self.readings.max(1));
+        let mean = 0.5 / (f64::from(self.between) + 1.0);
         1.0 - x - 3.0 * x * (1.0 - x) * (1.0 - 2.0 * mean)
     }
 
     /// Error of the mean by the readings in between, in that of one.
     pub fn of_mean(&self) -> f64 {
-        let n = f64::from(self.readings.max(1));
-        (n - 1.0).sqrt() / n
+        let between = f64::from(self.between);
+        between.sqrt() / (between + 1.0)
     }
 }
 

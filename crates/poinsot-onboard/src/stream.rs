@@ -180,7 +180,7 @@ impl Since {
         end.set_column(0, &(end.column(0) - self.impulse));
         self.integral += simpson(&self.acting, &middle, &end) * dt + Acting::from(bend.offset);
         (self.acting, self.last) = (end, *sample);
-        self.readings += bend.readings;
+        self.readings += bend.between + 1;
     }
 
     /// Against the inputs of both ends and a straight impulse, over an interval with these inputs in its middle.
@@ -189,7 +189,7 @@ impl Since {
         let plain = simpson(&self.begin, &middle, &self.acting);
         Bend {
             offset: (self.integral - plain * dt).into(),
-            readings: self.readings,
+            between: self.readings.saturating_sub(1),
         }
     }
 }
