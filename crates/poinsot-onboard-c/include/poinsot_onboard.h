@@ -15,6 +15,8 @@
 extern "C" {
 #endif
 
+/* An error of the library itself ends in an endless loop on bare metal, for the watchdog, and aborts on a desktop. */
+
 /* Version of this interface; poinsot_onboard_version() is that of the library. */
 #define POINSOT_ONBOARD_VERSION 3
 /* Bytes of a table, from `poinsot export MODEL --to onboard`. */
@@ -23,7 +25,7 @@ extern "C" {
 #define POINSOT_ONBOARD_WHEELS 8
 /* Most joints. */
 #define POINSOT_ONBOARD_JOINTS 7
-/* Samples of the first window: the push of the last one replays them all, at most 24 times. */
+/* Samples of the first window: from a tenth of it on, pushes at which it has grown by a third replay it, at most 24 times. */
 #define POINSOT_ONBOARD_WINDOW 150
 /* Bytes of a filter; poinsot_onboard_size() tells how many of them the target needs. */
 #define POINSOT_ONBOARD_SIZE 300000

@@ -15,10 +15,9 @@ use crate::stream::{Stream, Window};
 use core::f64::consts::TAU;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField;
-use nalgebra::{ArrayStorage, SMatrix, SVector, SymmetricEigen, UnitQuaternion};
+use nalgebra::{SMatrix, SVector, SymmetricEigen, UnitQuaternion};
 use poinsot_dynamics::propagation::{
-    COLUMN, Column, FlexibleMotion, FlexibleState, HALF, INTERNAL, MOST_MODES, PerMode,
-    PoseMomentum, STATE,
+    COLUMN, Column, FlexibleMotion, FlexibleState, HALF, INTERNAL, PerMode, PoseMomentum, STATE,
 };
 use poinsot_spatial::{Matrix3, Vector3, Vector6, elements};
 
@@ -133,18 +132,13 @@ pub(crate) struct Here {
 }
 
 /// What a parameter does to the momenta, pose and rates held: linear and angular in N, those of the modes.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct MomentumSlope {
     rigid: Vector6,
     modes: PerMode,
 }
 
 impl MomentumSlope {
-    const NONE: Self = Self {
-        rigid: Vector6::from_array_storage(ArrayStorage([[0.0; HALF]])),
-        modes: PerMode::from_array_storage(ArrayStorage([[0.0; MOST_MODES]])),
-    };
-
     fn less(&self, other: &Self) -> Self {
         Self {
             rigid: self.rigid - other.rigid,
@@ -604,7 +598,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
 
     /// What each unknown parameter does to the momenta.
     fn momentum_slopes(&self, here: &Here) -> [MomentumSlope; PARAMETERS] {
-        let mut out = [MomentumSlope::NONE; PARAMETERS];
+        let mut out = [MomentumSlope::default(); PARAMETERS];
         let slopes = self.slopes(here);
         for &k in self.layout.unknown() {
             let slope = slopes.of(k);

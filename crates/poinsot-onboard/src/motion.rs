@@ -813,13 +813,13 @@ impl<'a> Moving<'a> {
         }
         let used = STATE + 2 * self.configuration.mode_count;
         for column in columns.state.iter_mut().take(used) {
-            rows.carry_column(column, &Drives::NONE, dt);
+            rows.carry_column(column, &Drives::default(), dt);
         }
         for (end, of_end) in columns.inputs.iter_mut().enumerate() {
             for (k, column) in of_end.iter_mut().enumerate() {
                 let noise = self.configuration.input_noise(k);
                 if noise > 0.0 {
-                    let mut drives = Drives::NONE;
+                    let mut drives = Drives::default();
                     for at in 0..3 {
                         let [(a, of_a), (b, of_b)] = interval.error(k, end, shares[at]);
                         let inputs = &points[at].inputs;

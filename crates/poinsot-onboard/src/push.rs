@@ -45,9 +45,10 @@ fn checked(sample: &Sample, configuration: &Configuration) -> Result<Sample, Ref
 }
 
 impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
-    /// Takes a sample. The first `WINDOW` samples are kept; with the last of them they are replayed, linearised at the parameters
-    /// of the pass before, until no parameter moves by more than a tenth of its sigma (at most 24 passes). From then on each sample
-    /// is one step.
+    /// Takes a sample. The first samples, at most `WINDOW`, are kept. From a tenth of the window on (with modes when it is full), and
+    /// each time that it has grown by a third, they are replayed, linearised at the parameters of the pass before, until no
+    /// parameter moves by more than a tenth of its sigma (at most 24 passes). Where the parameters are known well enough the window
+    /// ends, and each sample is one step.
     ///
     /// # Errors
     /// The sample is not used, and the filter is as before.

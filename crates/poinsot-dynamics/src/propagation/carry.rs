@@ -19,7 +19,7 @@ pub struct StepRows<'v, R = f64> {
 }
 
 /// `b` of a column at the three points.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Drives<T = f64> {
     /// Of the pose.
     pub pose: [[T; HALF]; 3],
@@ -27,15 +27,6 @@ pub struct Drives<T = f64> {
     pub push: [[T; HALF]; 3],
     /// Of the modes.
     pub internal: [[T; INTERNAL]; 3],
-}
-
-impl Drives {
-    /// Zero.
-    pub const NONE: Self = Self {
-        pose: [[0.0; HALF]; 3],
-        push: [[0.0; HALF]; 3],
-        internal: [[0.0; INTERNAL]; 3],
-    };
 }
 
 impl<R: Copy> StepRows<'_, R> {
