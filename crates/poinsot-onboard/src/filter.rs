@@ -229,7 +229,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         self.starts = 0;
         self.window.restart();
         self.stream = Stream::NEW;
-        self.tests = Tests::new();
+        self.tests = Tests::new(configuration.forget_s > 0.0);
         let prior = OfParameters {
             R: configuration.prior,
             ..OfParameters::NONE
