@@ -2,8 +2,8 @@
 //! `P' = F`, `H' = T` differentiated in closed form (Newton-Euler recursion; Featherstone 2008, ch. 5).
 
 use crate::algebra::{M3, Real, V3};
-use crate::inverse_dynamics::Wrench;
 use crate::kinematics::Kinematics;
+use crate::momentum::Wrench;
 use crate::tree::{Motion, Tree};
 use alloc::vec;
 use alloc::vec::Vec;

@@ -1,7 +1,7 @@
 //! The gravity-gradient torque.
 
-use crate::inverse_dynamics::Wrench;
 use crate::kinematics::Kinematics;
+use crate::momentum::Wrench;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField;
 use poinsot_spatial::{InertialParameters, Matrix3, Vector3};

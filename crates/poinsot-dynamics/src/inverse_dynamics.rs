@@ -3,27 +3,11 @@
 
 use crate::acceleration::Accelerations;
 use crate::kinematics::Kinematics;
+use crate::momentum::Wrench;
 use crate::tree::{Motion, Tree};
 use alloc::vec;
 use alloc::vec::Vec;
-use poinsot_spatial::{InertialParameters, Vector3};
-
-/// A force and the torque about a point that goes with it, in base axes, N and N m.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Wrench<T = f64> {
-    /// Force, N.
-    pub force: nalgebra::Vector3<T>,
-    /// Torque about the point of the context, N m.
-    pub torque: nalgebra::Vector3<T>,
-}
-
-impl Wrench {
-    /// Nothing.
-    pub const ZERO: Self = Self {
-        force: Vector3::new(0.0, 0.0, 0.0),
-        torque: Vector3::new(0.0, 0.0, 0.0),
-    };
-}
+use poinsot_spatial::InertialParameters;
 
 /// Workspace of the Newton-Euler recursion. No call allocates.
 ///

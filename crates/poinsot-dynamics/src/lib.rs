@@ -115,7 +115,7 @@ pub use algebra::Real;
 pub use energy::kinetic_energy;
 pub use forward_dynamics::{ForwardDynamics, JointInput, Singular};
 pub use gravity_gradient::{gravity_gradient_torque, tidal_wrench};
-pub use inverse_dynamics::{InverseDynamics, Wrench};
+pub use inverse_dynamics::InverseDynamics;
 pub use jacobian::{base_jacobian, generalise_jacobian, joint_jacobian, point_of_body};
 pub use joint_slopes::{JointSlope, JointSlopes, SubtreeMotion};
 pub use kinematics::Kinematics;
@@ -126,8 +126,8 @@ pub use measurement::{
     BasePose, Carried, Ideal, JointEffect, Measurement, OverJoint, PointMotion, Scene,
 };
 pub use momentum::{
-    Composite, Twist, body_momentum, composite, composite_and_momentum, momentum, shift_to_body,
-    twist_from_momentum, wheel_momentum,
+    Composite, Twist, Wrench, body_momentum, composite, composite_and_momentum, momentum,
+    shift_to_body, twist_from_momentum, wheel_momentum,
 };
 #[cfg(feature = "std")]
 pub use motion::*;

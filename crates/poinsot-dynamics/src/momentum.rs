@@ -19,6 +19,23 @@ pub struct Twist<T = f64> {
     pub w: nalgebra::Vector3<T>,
 }
 
+/// A force and the torque about a point that goes with it, in base axes, N and N m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wrench<T = f64> {
+    /// Force, N.
+    pub force: nalgebra::Vector3<T>,
+    /// Torque about the point of the context, N m.
+    pub torque: nalgebra::Vector3<T>,
+}
+
+impl Wrench {
+    /// Nothing.
+    pub const ZERO: Self = Self {
+        force: Vector3::new(0.0, 0.0, 0.0),
+        torque: Vector3::new(0.0, 0.0, 0.0),
+    };
+}
+
 /// The whole vehicle as one rigid body at a joint configuration: the blocks of the locked inertia `H`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Composite {

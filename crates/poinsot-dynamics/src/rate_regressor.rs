@@ -1,8 +1,8 @@
 //! The regressor of the momentum's rate of change: the sensitivity of accelerometers to the parameters.
 
 use crate::acceleration::Accelerations;
-use crate::inverse_dynamics::Wrench;
 use crate::kinematics::Kinematics;
+use crate::momentum::Wrench;
 use crate::tree::Tree;
 use poinsot_spatial::{InertialParameters, Vector3, Vector6, stacked};
 

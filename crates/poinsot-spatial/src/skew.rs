@@ -25,13 +25,25 @@ pub fn linear(x: &Vector6) -> Vector3 {
     x.fixed_rows::<3>(0).into()
 }
 
-/// The angular part; see [`linear`].
+/// The angular part of a twist, momentum or wrench.
+///
+/// ```
+/// use poinsot_spatial::{Vector3, Vector6, angular};
+///
+/// assert_eq!(angular(&Vector6::new(1.0, 0.0, 0.0, 0.0, 0.0, 2.0)), Vector3::z() * 2.0);
+/// ```
 #[inline]
 pub fn angular(x: &Vector6) -> Vector3 {
     x.fixed_rows::<3>(3).into()
 }
 
-/// The six-vector of these parts; see [`linear`].
+/// The twist, momentum or wrench of a linear and an angular part.
+///
+/// ```
+/// use poinsot_spatial::{Vector3, Vector6, stacked};
+///
+/// assert_eq!(stacked(&Vector3::x(), &Vector3::z()), Vector6::new(1.0, 0.0, 0.0, 0.0, 0.0, 1.0));
+/// ```
 #[inline]
 pub fn stacked(linear: &Vector3, angular: &Vector3) -> Vector6 {
     let (l, a) = (linear, angular);

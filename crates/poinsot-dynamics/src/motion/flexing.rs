@@ -10,8 +10,8 @@
 //! where the right side has the accelerations `a_0`, `alpha_0` without modes and no `y''`, and shapes turn with their hosts.
 
 use crate::acceleration::Accelerations;
-use crate::inverse_dynamics::Wrench;
 use crate::kinematics::Kinematics;
+use crate::momentum::Wrench;
 use crate::propagation::{FlexibleMotion, Internal, MOST_MODES, Mode};
 use nalgebra::{Cholesky, SMatrix, SVector};
 use poinsot_spatial::{Matrix3, Vector3};

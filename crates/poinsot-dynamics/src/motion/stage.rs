@@ -28,7 +28,8 @@
 use crate::algebra::V3;
 use crate::forward_dynamics::{ForwardDynamics, JointInput, Singular};
 use crate::gravity_gradient::{gravity_gradient_torque, tidal_wrench};
-use crate::inverse_dynamics::{InverseDynamics, Wrench};
+use crate::inverse_dynamics::InverseDynamics;
+use crate::momentum::Wrench;
 use crate::motion::controller::{Controller, WheelUse};
 use crate::motion::flexing::Flexing;
 use crate::motion::flight::{Flight, MotionError, check_times};
