@@ -2,15 +2,15 @@
 
 use crate::check::Invalid;
 use crate::configuration::{AXES, Configuration, INPUTS, ITERATIONS, PARAMETERS, of_rate};
+use crate::excitation::Excitation;
 use crate::health::{Checkpoints, SENSORS, SensorCounts, Tests};
 use crate::information::{OfParameters, Rows, back_substitute, copy_triangle, eliminate};
 use crate::layout::{Layout, noises};
-use crate::motion::{
-    Acting, Bend, Columns, Excitation, Flexing, Interval, Linear, Moving, Placed, Scratch, Slopes,
-    angular, motion_of,
-};
-use crate::posture::{Posture, halves, stacked};
+use crate::motion::{Acting, Bend, Columns, Flexing, Interval, Linear, Moving, Scratch, motion_of};
+use crate::placed::Placed;
+use crate::posture::Posture;
 use crate::sample::Sample;
+use crate::slopes::Slopes;
 use crate::stream::{Stream, Window};
 use core::f64::consts::TAU;
 #[cfg(not(feature = "std"))]
@@ -19,7 +19,7 @@ use nalgebra::{SMatrix, SVector, SymmetricEigen, UnitQuaternion};
 use poinsot_dynamics::propagation::{
     COLUMN, Column, FlexibleMotion, FlexibleState, HALF, INTERNAL, PerMode, PoseMomentum, STATE,
 };
-use poinsot_spatial::{Matrix3, Vector3, Vector6, elements};
+use poinsot_spatial::{Matrix3, Vector3, Vector6, angular, elements, linear, stacked};
 
 /// Squared normalised innovation of three numbers beyond which a measurement is not used: a false alarm of 3e-7.
 pub(crate) const GATE: f64 = 33.0;
@@ -230,10 +230,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         self.window.restart();
         self.stream = Stream::NEW;
         self.tests = Tests::new(configuration.forget_s > 0.0);
-        let prior = OfParameters {
-            R: configuration.prior,
-            ..OfParameters::NONE
-        };
+        let prior = OfParameters::of(configuration.prior);
         self.before_start = prior;
         self.checkpoints = Checkpoints::new(configuration.nominal, prior);
         (self.prior_sigma, self.prior_spread) = ([0.0; PARAMETERS], [0.0; 3]);
@@ -269,10 +266,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
 
     /// The prior at the parameters in hand, without a motion.
     pub(crate) fn set_prior(&mut self) {
-        let mut prior = OfParameters {
-            R: self.configuration.prior,
-            ..OfParameters::NONE
-        };
+        let mut prior = OfParameters::of(self.configuration.prior);
         for i in 0..self.layout.parameters {
             let off = self.layout.unknown().iter().enumerate().skip(i);
             prior.z[i] = off
@@ -323,7 +317,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let inputs = sample.inputs();
         let posture = Posture::new(&self.configuration, &self.body, &inputs);
         let whole = posture.whole.mass_properties()?;
-        let (l, h) = halves(&posture.momentum);
+        let (l, h) = (linear(&posture.momentum), angular(&posture.momentum));
         let h = h + self.configuration.wheel_momentum(&inputs);
         let h_B = whole.I_BBcm_B * w + h - whole.p_BoBcm_B.cross(&l);
         let mut state = FlexibleState::from(PoseMomentum {
@@ -435,13 +429,13 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let here = self.here()?;
         let twists = here.placed(&self.scratch).input_twists(&self.configuration);
         let twists = twists.map(|t| angular(&t));
-        let (theta, width) = (layout.theta(), gone + layout.columns());
+        let theta = layout.theta();
         let back = match layout.modes {
             0 => self.columns.inverse::<STATE>()?,
             _ => self.columns.inverse::<COLUMN>()?,
         };
         let walk = dt.abs().sqrt();
-        let [angular, linear] = self.momentum_noise(interval);
+        let [turn, shift] = self.momentum_noise(interval);
         let columns = &self.columns;
         for i in 0..theta {
             let (row, out) = (&self.rows[i], &mut self.work[i]);
@@ -456,8 +450,8 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             }
             let of_bias: [f64; AXES] = core::array::from_fn(|axis| row[layout.bias() + axis]);
             let entering = [
-                (over.fixed_rows::<AXES>(ANGULAR).into(), angular),
-                (over.fixed_rows::<AXES>(LINEAR).into(), linear),
+                (over.fixed_rows::<AXES>(ANGULAR).into(), turn),
+                (over.fixed_rows::<AXES>(LINEAR).into(), shift),
                 (of_bias, noise.bias_walk * walk),
             ];
             let counted = [true, self.configuration.translates(), noise.bias_walk > 0.0];
@@ -482,42 +476,26 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             out[N - 1] = row[N - 1];
         }
         // The noises of unit size: those of the inputs at the end, which stay, and those that go.
-        let end = theta + gone;
         for k in 0..gone {
             let out = &mut self.work[theta + k];
             *out = [0.0; N];
             out[if k < inputs { gone + k } else { k }] = 1.0;
         }
-        for pivot in 0..end {
-            eliminate(&mut self.work, pivot, pivot + 1..end, width);
-        }
-        for i in 0..theta {
-            let (row, out) = (&self.work[gone + i], &mut self.rows[i]);
-            let end = layout.columns();
-            out[i..end].copy_from_slice(&row[gone + i..gone + end]);
-            out[N - 1] = row[N - 1];
-        }
+        self.take_out(gone, theta);
         Some(())
     }
 
-    /// Lets the parameters walk for a time, s: the noises of unit size become columns before the others and are eliminated.
+    /// Lets the parameters walk for a time, s.
     fn forget(&mut self, dt: f64) {
-        let (layout, prior) = (self.layout, self.configuration.prior);
-        let (theta, count, columns) = (layout.theta(), layout.parameters, layout.columns());
-        let prior = OfParameters {
-            R: prior,
-            ..OfParameters::NONE
-        };
-        let (walk, share) = (
-            prior.inverse(count),
-            (dt / self.configuration.forget_s).sqrt(),
-        );
+        let (theta, count) = (self.layout.theta(), self.layout.parameters);
+        let columns = self.layout.columns();
+        let walk = OfParameters::of(self.configuration.prior).inverse(count);
+        let share = (dt / self.configuration.forget_s).sqrt();
         for k in 0..count {
             self.work[k] = [0.0; N];
             self.work[k][k] = 1.0;
         }
-        for i in 0..columns {
-            let (row, out) = (&self.rows[i], &mut self.work[count + i]);
+        for (row, out) in self.rows[..columns].iter().zip(&mut self.work[count..]) {
             *out = [0.0; N];
             for k in 0..count {
                 let of_noise = (0..=k).map(|j| row[theta + j] * walk[j][k]);
@@ -526,14 +504,23 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             out[count..count + columns].copy_from_slice(&row[..columns]);
             out[N - 1] = row[N - 1];
         }
-        let end = count + columns;
+        self.take_out(count, columns);
+    }
+
+    /// Eliminates so many noises, the first columns of `work`, which has a row for each of them beside `rows` others: these become the
+    /// first of the triangle.
+    fn take_out(&mut self, noises: usize, rows: usize) {
+        let columns = self.layout.columns();
+        let end = noises + rows;
         for pivot in 0..end {
-            eliminate(&mut self.work, pivot, pivot + 1..end, end);
+            eliminate(&mut self.work, pivot, pivot + 1..end, noises + columns);
         }
-        for i in 0..columns {
-            let (row, out) = (&self.work[count + i], &mut self.rows[i]);
-            *out = [0.0; N];
-            out[i..columns].copy_from_slice(&row[count + i..end]);
+        for (i, (row, out)) in self.work[noises..end]
+            .iter()
+            .zip(&mut self.rows)
+            .enumerate()
+        {
+            out[i..columns].copy_from_slice(&row[noises + i..noises + columns]);
             out[N - 1] = row[N - 1];
         }
     }
@@ -602,7 +589,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let slopes = self.slopes(here);
         for &k in self.layout.unknown() {
             let slope = slopes.of(k);
-            let (l, h) = halves(&slope.momentum);
+            let (l, h) = (linear(&slope.momentum), angular(&slope.momentum));
             out[k] = MomentumSlope {
                 rigid: stacked(&(here.R * l), &(here.R * h)),
                 modes: slope.of_modes,

@@ -97,6 +97,11 @@ impl OfParameters {
         z: [0.0; PARAMETERS],
     };
 
+    /// About zero.
+    pub const fn of(R: [[f64; PARAMETERS]; PARAMETERS]) -> Self {
+        Self { R, ..Self::NONE }
+    }
+
     /// `R^-1 z` of the first `count`.
     pub fn solution(&self, count: usize) -> Option<[f64; PARAMETERS]> {
         let mut out = [0.0; PARAMETERS];

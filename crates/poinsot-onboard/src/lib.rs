@@ -7,11 +7,11 @@
 //! State of the filter, in the order of its columns:
 //!
 //! ```text
-//! x = [e, dphi_B, dh_N, (dp_N, dP_N), db, dtheta]
+//! x = [e, dphi_B, dh_N, (dp_N, dP_N), (y, p), db, dtheta]
 //! ```
 //!
 //! the present errors of wheel speeds and joints in units of their noise, the changes of attitude, angular momentum about the mass centre,
-//! position and linear momentum (where the position is measured), gyro bias, and unknown parameters. Its information is held as
+//! position and linear momentum (where the position is measured), amplitude and momentum of each mode, gyro bias, and unknown parameters. Its information is held as
 //! an upper triangle `R` with `R x = z + white noise` (Bierman 1977, chapter 5): `R^T R` cannot lose symmetry or sign, and what is
 //! not yet known has a row of zeros.
 //!
@@ -21,7 +21,8 @@
 //! # Files
 //! - `configuration.rs`, `check.rs`: vehicle, priors, noise, limits. `table.rs`: the same as checked bytes.
 //! - `sample.rs`: what is measured. `stream.rs`: order and clock of samples, the first window.
-//! - `layout.rs`, `information.rs`: the triangle. `posture.rs`: the vehicle at one position of its joints. `motion.rs`: one interval
+//! - `layout.rs`, `information.rs`: the triangle. `posture.rs`: the vehicle at one position of its joints. `placed.rs`: the same in motion,
+//!   with modes. `excitation.rs`: what of the motion is shown. `slopes.rs`: what parameters do. `motion.rs`: one interval
 //!   between samples, with columns.
 //! - `filter.rs`: time and measurement updates. `replay.rs`: passes over the first window. `push.rs`: the way in.
 //! - `health.rs`: tests of innovations, health word. `answer.rs`: numbers that leave the filter. `ground.rs`: one size of it, compiled here.
@@ -31,16 +32,19 @@
 mod answer;
 mod check;
 mod configuration;
+mod excitation;
 mod filter;
 mod ground;
 mod health;
 mod information;
 mod layout;
 mod motion;
+mod placed;
 mod posture;
 mod push;
 mod replay;
 mod sample;
+mod slopes;
 mod stream;
 mod table;
 

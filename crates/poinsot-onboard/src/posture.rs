@@ -9,7 +9,8 @@ use nalgebra::{Quaternion, SMatrix, SymmetricEigen};
 use poinsot_dynamics::Composite;
 use poinsot_dynamics::propagation::{BaseMotion, Flexibility, LockedVehicle, PoseMomentum};
 use poinsot_spatial::{
-    InertialParameters, Matrix3, Rotation3, UnitQuaternion, Vector3, Vector6, elements, tensor,
+    InertialParameters, Matrix3, Rotation3, UnitQuaternion, Vector3, Vector6, angular, elements,
+    linear, stacked, tensor,
 };
 
 /// Without momentum.
@@ -102,20 +103,9 @@ impl Held {
     }
 }
 
-/// Linear and angular part.
-pub fn halves(x: &Vector6) -> (Vector3, Vector3) {
-    (Vector3::new(x.x, x.y, x.z), Vector3::new(x.w, x.a, x.b))
-}
-
-/// The same together.
-pub fn stacked(linear: &Vector3, angular: &Vector3) -> Vector6 {
-    let (a, b) = (linear, angular);
-    Vector6::new(a.x, a.y, a.z, b.x, b.y, b.z)
-}
-
 /// Momentum of a body at a twist.
 pub fn momentum(of: &InertialParameters, twist: &Vector6) -> Vector6 {
-    let (v, w) = halves(twist);
+    let (v, w) = (linear(twist), angular(twist));
     stacked(
         &(v * of.mass + w.cross(&of.mc_B)),
         &(of.mc_B.cross(&v) + of.I_BBo_B * w),
@@ -232,11 +222,12 @@ impl Posture {
     /// What the joint carries is turned with its momentum, but its twist as far as the joint's own link has it does not turn.
     pub fn of_position(&self, j: usize, motion: &BaseMotion) -> Held {
         let carried = &self.carried[j];
-        let (v, w) = halves(&self.screws[j]);
+        let (v, w) = (linear(&self.screws[j]), angular(&self.screws[j]));
         let link = self.twists[j] + stacked(&motion.twist.v, &motion.twist.w);
-        let (l, h) = halves(&(momentum(carried, &link) + self.beyond[j]));
+        let all = momentum(carried, &link) + self.beyond[j];
+        let (l, h) = (linear(&all), angular(&all));
         let turned = stacked(&w.cross(&l), &(w.cross(&h) + v.cross(&l)));
-        let (v_link, w_link) = halves(&link);
+        let (v_link, w_link) = (linear(&link), angular(&link));
         let held = stacked(&(w.cross(&v_link) + v.cross(&w_link)), &w.cross(&w_link));
         let centre = (v * carried.mass + w.cross(&carried.mc_B)) / motion.centre.mass;
         let change = turned - momentum(carried, &held);

@@ -1,9 +1,10 @@
 //! The first window, and what happens with each sample in order.
 
 use crate::configuration::{PARAMETERS, PASSES};
+use crate::excitation::Excitation;
 use crate::filter::{Filter, GATE, MOVED};
 use crate::health::{Checkpoint, Verdict};
-use crate::motion::{Bend, Excitation, Moving};
+use crate::motion::{Bend, Moving};
 use crate::sample::Sample;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField;

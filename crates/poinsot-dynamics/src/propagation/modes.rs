@@ -604,11 +604,6 @@ impl Flexibility {
         out
     }
 
-    /// Number of modes and passive joints.
-    pub fn count(&self) -> usize {
-        self.count
-    }
-
     /// Modes at rest without deflection while the base turns, rad/s in B: `p = D^T w + c_y`.
     pub fn at_rest(&self, w: &Vector3<f64>) -> Internal {
         let mut out = Internal::zeros();
