@@ -161,7 +161,7 @@ impl Here {
         Placed {
             posture: &self.posture,
             motion: &self.motion,
-            modes: flexing.map(|f| f.at(&self.state.internal)),
+            modes: flexing.map(|f| (&f.flexible, &self.state.internal)),
         }
     }
 }

@@ -153,13 +153,6 @@ pub struct Flexing {
     parameters: [Internal; PARAMETERS],
 }
 
-impl Flexing {
-    /// The modes with their state.
-    pub fn at<'a>(&'a self, internal: &'a Internal) -> (&'a Flexibility, &'a Internal) {
-        (&self.flexible, internal)
-    }
-}
-
 /// What a step is computed in: too large for the stack.
 #[derive(Debug, Clone)]
 pub struct Scratch {
@@ -374,7 +367,7 @@ impl<'a> Moving<'a> {
         let (_, start) = self.place(&inputs, &Acting::zeros(), first)?;
         let flexible = first.as_ref().map(|f| &f.flexible);
         let joints = inputs[of_rate(0)..].iter().map(|rate| rate.abs());
-        let swings = flexible.map_or(0.0, |f| f.fastest_of_all(&start));
+        let swings = flexible.map_or(0.0, |f| f.fastest(&start, true));
         let turn = motion_of(&start, flexible, state)?.twist.w.norm();
         let fastest = (turn + joints.sum::<f64>()) / TURN + swings / SWING;
         let turns = (fastest * interval.dt.abs()).ceil();

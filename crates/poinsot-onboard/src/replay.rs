@@ -38,8 +38,18 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             return;
         }
         let verdict = self.replay();
-        self.window.replayed = verdict != Verdict::Lost;
+        let lost = matches!(verdict, Verdict::Lost | Verdict::Alarm | Verdict::LongAlarm);
+        let filling = self.window.is_filling();
+        self.window.replayed = verdict != Verdict::Lost && !(filling && lost);
         let near = self.window.replayed && self.is_near();
+        if filling && lost {
+            // What does not come right with few samples may with more.
+            self.body = self.configuration.nominal;
+            self.set_prior();
+        }
+        if filling && !near {
+            return;
+        }
         let full = self.window.count == WINDOW;
         let moving = Moving::new(&self.configuration, &self.body);
         self.window.done = near || (full && !self.window.thin(&moving));

@@ -221,11 +221,9 @@ impl<const WINDOW: usize> Window<WINDOW> {
 
     /// Time from the first sample to the last, s.
     pub fn length_s(&self) -> f64 {
-        let of = self.samples[..self.count].iter();
-        of.clone()
-            .last()
-            .zip(of.clone().next())
-            .map_or(0.0, |(b, a)| b.time_s - a.time_s)
+        let of = &self.samples[..self.count];
+        let ends = of.first().zip(of.last());
+        ends.map_or(0.0, |(first, last)| last.time_s - first.time_s)
     }
 
     /// Takes a sample, or leaves it out; whether it took it.
@@ -246,6 +244,11 @@ impl<const WINDOW: usize> Window<WINDOW> {
             self.seen = self.count;
         }
         due
+    }
+
+    /// Whether it was not full yet.
+    pub fn is_filling(&self) -> bool {
+        self.thinned == 0 && self.count < WINDOW
     }
 
     /// Keeps one sample of so many, and one that measures what the kept one before does not. Of what acted in between the impulse and

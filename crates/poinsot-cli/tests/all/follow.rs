@@ -156,6 +156,101 @@ fn xval_follow_takes_a_mode_as_identify_does() {
     assert_ne!(lines(&rigid).last().unwrap()["health"], "determined");
 }
 
+/// A bus that its wheels turn from rest, with these moments of inertia.
+fn turned_from_rest(inertia: &str) -> String {
+    let mut text = format!(
+        r#"schema = "poinsot.model/1"
+name = "scout"
+exact = true
+[[body]]
+name = "bus"
+mass_kg = 61.0
+com_m = [0.02, -0.01, 0.04]
+inertia_kg_m2 = {{ {inertia} }}
+estimate = ["inertia"]
+[[sensor]]
+name = "gyro"
+type = "gyro"
+noise_rad_s = 3e-4
+bias = "estimate"
+[[sensor]]
+name = "tracker"
+type = "attitude"
+noise_rad = 8e-5
+[[sensor]]
+name = "tach"
+type = "wheel_speed"
+noise_rad_s = 0.05
+"#
+    );
+    for (k, axis) in ["[1, 0, 0]", "[0, 1, 0]", "[0, 0, 1]"].iter().enumerate() {
+        text += &format!(
+            "[[wheel]]\nname = \"w{}\"\nbody = \"bus\"\naxis = {axis}\nspin_inertia_kg_m2 = 0.0021\n",
+            k + 1
+        );
+    }
+    text
+}
+
+/// Nominal moments of inertia a third to a half off: passes over the first samples, which tell little, end in an alarm. Those over more do
+/// not, and what was tried before costs no knowledge.
+#[test]
+fn regress_a_far_nominal_costs_time_alone() {
+    let truth = [
+        ("xx", 4.1),
+        ("yy", 5.3),
+        ("zz", 3.2),
+        ("xy", 0.21),
+        ("xz", -0.13),
+        ("yz", 0.08),
+    ];
+    let inertia = truth.map(|(element, x)| format!("{element} = {x}"));
+    let model = turned_from_rest("xx = 5.6, yy = 3.6, zz = 4.3");
+    for seed in 11..16 {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::write(at("truth.toml"), turned_from_rest(&inertia.join(", "))).unwrap();
+        std::fs::write(at("model.toml"), &model).unwrap();
+        let case = format!(
+            r#"schema = "poinsot.case/1"
+model = "truth.toml"
+duration_s = 140.0
+initial.momentum_zero = true
+wheel_motion = [
+    {{ wheel = "w1", time_s = [0, 30, 70, 100, 140], speed_rad_s = [0, 220, -90, 130, 0], interpolation = "cubic_clamped" }},
+    {{ wheel = "w2", time_s = [0, 40, 80, 140], speed_rad_s = [0, -180, 140, 10], interpolation = "cubic_clamped" }},
+    {{ wheel = "w3", time_s = [0, 50, 90, 140], speed_rad_s = [0, 160, -120, 30], interpolation = "cubic_clamped" }},
+]
+output = {{ rate_hz = 7, seed = {seed} }}
+"#
+        );
+        std::fs::write(at("case.toml"), case).unwrap();
+        let simulate = ["simulate", "case.toml", "--out", "sim"];
+        done(poinsot(folder.path()).args(simulate));
+        let files = ["follow", "model.toml", "sim/telemetry.csv"];
+        let found = lines(&done(poinsot(folder.path()).args(files)));
+        let answer = ["identify", "--model", "model.toml", "--out", "answer"];
+        done(
+            poinsot(folder.path())
+                .args(answer)
+                .args(["--telemetry", "sim/telemetry.csv"]),
+        );
+        let estimate = read(&at("answer/estimate.json"));
+        for (element, truth) in truth {
+            let of = |key: &str| {
+                let number =
+                    &found.last().unwrap()["numbers"][format!("bus.inertia_kg_m2.{element}")][key];
+                number.as_f64().unwrap()
+            };
+            let off = (of("value") - truth) / of("sigma");
+            // It takes speeds as straight between samples, which costs up to twice the sigma here.
+            let ratio = of("sigma") / of_body(&estimate, element).1;
+            println!("{seed} {element}: {off:.2} sigma off, sigma {ratio:.3} of that of identify");
+            assert!(off.abs() < 4.5 && ratio < 2.5);
+        }
+    }
+}
+
 /// The model of the branched arm without its sensor of velocity; one body is unknown, its nominal mass a tenth off.
 fn branched_arm(unknown: &str) -> String {
     let text = std::fs::read_to_string(shipped().join("branched_arm_truth.toml")).unwrap();

@@ -570,17 +570,9 @@ impl Flexibility {
         Some(FlexibleMotion { base, rates })
     }
 
-    /// Bound of the frequencies of the passive joints on the free vehicle, rad/s.
-    pub fn fastest(&self, locked: &LockedVehicle) -> f64 {
-        self.fastest_from(self.modes, locked)
-    }
-
-    /// The same of modes and passive joints.
-    pub fn fastest_of_all(&self, locked: &LockedVehicle) -> f64 {
-        self.fastest_from(0, locked)
-    }
-
-    fn fastest_from(&self, first: usize, locked: &LockedVehicle) -> f64 {
+    /// Bound of the frequencies of the passive joints, and of modes where they count, on the free vehicle, rad/s.
+    pub fn fastest(&self, locked: &LockedVehicle, with_modes: bool) -> f64 {
+        let first = if with_modes { 0 } else { self.modes };
         let turning: Matrix3<f64> = locked.turned().stored();
         let follows = SMatrix::<f64, MOST_MODES, MOST_MODES>::from_fn(|i, j| {
             self.of[i].d.dot(&(turning * self.of[j].d))

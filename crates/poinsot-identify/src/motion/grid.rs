@@ -110,7 +110,7 @@ fn swing(vehicle: &Vehicle, kinematics: &Kinematics) -> f64 {
     let placed = (&vehicle.passive, &still);
     let frequency = |locked: LockedVehicle| {
         let flexible = Flexibility::with_joints(&[], placed, kinematics, &locked)?;
-        Some(finite(flexible.fastest(&locked)))
+        Some(finite(flexible.fastest(&locked, false)))
     };
     locked.and_then(frequency).unwrap_or(0.0)
 }

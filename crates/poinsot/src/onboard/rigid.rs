@@ -122,11 +122,12 @@ impl Rigid {
             self.on_base(mode.body, &format!("mode \"{name}\""))?;
             let (R, p) = self.pose(mode.body);
             let translation = R * mode.translation;
+            let slope = R * mode.inertia_slope * R.transpose();
             configuration = configuration.with_mode(Mode {
                 body: 0,
                 translation,
                 rotation: R * mode.rotation + p.cross(&translation),
-                inertia_slope: symmetric(&(R * mode.inertia_slope * R.transpose())),
+                inertia_slope: (slope + slope.transpose()) * 0.5,
                 ..*mode
             });
         }
@@ -152,11 +153,6 @@ impl Rigid {
             )),
         }
     }
-}
-
-/// Without what rounding makes of it.
-fn symmetric(slope: &Matrix3) -> Matrix3 {
-    (slope + slope.transpose()) * 0.5
 }
 
 /// x, y, z, w.
