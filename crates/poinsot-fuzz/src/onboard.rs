@@ -2,7 +2,7 @@
 
 use arbitrary::{Result, Unstructured};
 use nalgebra::UnitQuaternion;
-use poinsot_onboard::{Answer, Configuration, Filter, Health, Mode, Noise, Sample, Wheel};
+use poinsot_onboard::{Answer, Configuration, Filter, Health, Mode, NUMBERS, Noise, Sample, Wheel};
 use poinsot_spatial::{Matrix3, Vector3};
 
 /// 6 s are replayed.
@@ -81,9 +81,9 @@ fn bus() -> Configuration {
             noise: WHEEL_NOISE,
         });
     }
-    configuration.unknown[4..].fill(true);
+    configuration.uncertain[4..10].fill(true);
     for k in 0..6 {
-        configuration.prior[k][k] = 0.5;
+        configuration.prior[(k, k)] = 0.5;
     }
     configuration
 }
@@ -162,13 +162,13 @@ fn change_configuration(u: &mut Unstructured, c: &mut Configuration) -> Result<(
         let first = [&mut m.frequency_Hz, &mut m.damping_ratio].into_iter();
         first.chain(&mut m.translation).chain(&mut m.rotation)
     });
-    let all = body.chain(c.prior.as_flattened_mut()).chain(wheels);
+    let all = body.chain(&mut c.prior.0).chain(wheels);
     let all: Vec<&mut f64> = all.chain(noise).chain(last).chain(modes).collect();
     let place = u.choose_index(all.len())?;
     if let Some(number) = all.into_iter().nth(place) {
         *number = value;
     }
-    c.unknown[u.choose_index(10)?] ^= u.arbitrary::<bool>()?;
+    c.uncertain[u.choose_index(NUMBERS)?] ^= u.arbitrary::<bool>()?;
     c.reorder = u.int_in_range(0..=4)?;
     Ok(())
 }

@@ -18,9 +18,9 @@ extern "C" {
 /* An error of the library itself ends in an endless loop on bare metal, for the watchdog, and aborts on a desktop. */
 
 /* Version of this interface; poinsot_onboard_version() is that of the library. */
-#define POINSOT_ONBOARD_VERSION 3
+#define POINSOT_ONBOARD_VERSION 4
 /* Bytes of a table, from `poinsot export MODEL --to onboard`. */
-#define POINSOT_ONBOARD_TABLE 3532
+#define POINSOT_ONBOARD_TABLE 8580
 /* Most wheels. */
 #define POINSOT_ONBOARD_WHEELS 8
 /* Most joints. */
@@ -28,7 +28,7 @@ extern "C" {
 /* Samples of the first window: from a tenth of it on, pushes at which it has grown by a third replay it, at most 24 times. */
 #define POINSOT_ONBOARD_WINDOW 150
 /* Bytes of a filter; poinsot_onboard_size() tells how many of them the target needs. */
-#define POINSOT_ONBOARD_SIZE 300000
+#define POINSOT_ONBOARD_SIZE 352000
 
 /* Codes of the functions, an int32_t. */
 enum {

@@ -24,11 +24,11 @@ use core::ptr::addr_of_mut;
 use poinsot_onboard::{COLUMNS, Configuration, Filter, TABLE};
 
 /// Version of this interface: the header has the same.
-pub const VERSION: u32 = 3;
+pub const VERSION: u32 = 4;
 /// Samples of the first window.
 pub const WINDOW: usize = 150;
 /// Bytes of the header's `poinsot_onboard`, enough on every target.
-pub const SIZE: usize = 300_000;
+pub const SIZE: usize = 352_000;
 /// What a filter's memory begins with.
 const MARK: u64 = u64::from_le_bytes(*b"PNFILTER");
 

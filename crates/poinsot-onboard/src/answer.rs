@@ -1,8 +1,9 @@
 //! Numbers that leave the filter.
 
-use crate::configuration::{AXES, ITERATIONS, PARAMETERS};
+use crate::configuration::ITERATIONS;
 use crate::filter::Filter;
 use crate::health::Health;
+use crate::numbers::{AXES, NUMBERS, PARAMETERS};
 use nalgebra::SymmetricEigen;
 use poinsot_spatial::{InertialParameters, pseudo_inertia};
 
@@ -36,10 +37,10 @@ pub struct Answer {
 impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     /// What is known at a time, s, on the clock of the samples.
     pub fn answer(&self, time_s: f64) -> Answer {
-        let (layout, count) = (self.layout, self.layout.parameters);
+        let (layout, count) = (self.layout, self.layout.numbers);
         let info = self.of_parameters();
-        let change = info.solution(count).unwrap_or_default();
-        let mut body = self.body;
+        let change = info.solution(count).unwrap_or([0.0; NUMBERS]);
+        let mut body = core::array::from_fn(|k| self.numbers[k]);
         for (&k, change) in layout.unknown().iter().zip(&change) {
             body[k] += change;
         }
@@ -58,7 +59,6 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         }
         let newest = self.stream.newest();
         let stale = newest.is_some_and(|newest| time_s - newest > self.configuration.stale_s);
-        let inverse = info.inverse(count);
         Answer {
             health: match (consistent, stale, all) {
                 (false, _, _) => Health::Inconsistent,
@@ -67,13 +67,8 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
                 (true, false, false) => Health::Converging,
             },
             numbers,
-            covariance: core::array::from_fn(|i| {
-                core::array::from_fn(|j| {
-                    let products = inverse[i].iter().zip(&inverse[j]);
-                    products.map(|(a, b)| a * b).sum()
-                })
-            }),
-            unknowns: count,
+            covariance: info.covariance(layout.unknown, count),
+            unknowns: layout.unknown,
         }
     }
 }

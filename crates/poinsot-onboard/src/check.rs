@@ -1,7 +1,8 @@
 //! Checks of a configuration.
 
-use crate::configuration::{AXES, Configuration, HELD_BACK, JOINTS, WHEELS, Wheel};
+use crate::configuration::{Configuration, HELD_BACK, JOINTS, Wheel};
 use crate::layout::required_capacity;
+use crate::numbers::{AXES, MOUNTING, WHEELS, of_wheel};
 use poinsot_dynamics::propagation::{MOST_MODES, Mode};
 
 /// Why a configuration is refused.
@@ -11,8 +12,8 @@ pub enum Invalid {
     Capacity(usize),
     /// A number is NaN or infinite.
     NotFinite,
-    /// More wheels than [`WHEELS`], joints than [`JOINTS`], modes than 6 or samples held back than 4, or a link that no joint before it
-    /// moves.
+    /// More wheels than [`WHEELS`], joints than [`JOINTS`], modes than 6 or samples held back than 4, a link that no joint before it
+    /// moves, or an uncertain number of no wheel.
     Count,
     /// A noise, a limit or a spin inertia is negative, or the noise of gyro or attitude is zero.
     Noise,
@@ -30,14 +31,20 @@ pub enum Invalid {
 }
 
 impl Configuration {
+    // Its copy is not on the stack of what follows.
+    #[inline(never)]
+    fn is_finite(&self) -> bool {
+        let mut copy = *self;
+        copy.numbers().all(|x| x.is_finite())
+    }
+
     /// Checks all numbers, for a filter of `capacity` columns.
     ///
     /// # Errors
     /// The first condition that fails.
     pub fn check(&self, capacity: usize) -> Result<(), Invalid> {
         let noise = &self.noise;
-        let mut copy = *self;
-        if !copy.numbers().all(|x| x.is_finite()) {
+        if !self.is_finite() {
             return Err(Invalid::NotFinite);
         }
         let counts = [
@@ -56,7 +63,8 @@ impl Configuration {
         let of_joints = of_joints.flat_map(|j| [j.position_noise, j.rate_noise]);
         let positive = [noise.gyro, noise.attitude, self.longest_gap_s, self.stale_s];
         let limits = [self.longest_gap_s, self.stale_s];
-        let levels = copy.noise.numbers().map(|x| *x).into_iter().chain(limits);
+        let mut noises = self.noise;
+        let levels = noises.numbers().map(|x| *x).into_iter().chain(limits);
         let levels = levels.chain([self.forget_s]);
         let mut all = levels.chain(of_wheels).chain(of_joints);
         if !all.all(|x| x >= 0.0) || positive.contains(&0.0) {
@@ -69,8 +77,11 @@ impl Configuration {
         if !wheels || !joints || !long(&self.unknown_rotation) {
             return Err(Invalid::Axis);
         }
-        let unknowns = self.unknown.iter().filter(|u| **u).count();
-        let mut diagonal = (0..unknowns).map(|k| self.prior[k][k]);
+        let of_none = of_wheel(self.wheel_count)..MOUNTING;
+        if self.uncertain[of_none].contains(&true) {
+            return Err(Invalid::Count);
+        }
+        let mut diagonal = (0..self.uncertain().count()).map(|k| self.prior[(k, k)]);
         if !diagonal.all(|x| x > 0.0) {
             return Err(Invalid::Prior);
         }
@@ -85,7 +96,7 @@ impl Configuration {
             return Err(Invalid::Unphysical);
         }
         let tells = self.translates() || self.joint_count > 0;
-        if !tells && self.unknown[..=AXES].contains(&true) {
+        if !tells && self.uncertain[..=AXES].contains(&true) {
             return Err(Invalid::NeedsPosition);
         }
         match required_capacity(self) {

@@ -1,19 +1,15 @@
 //! What a filter is told before it starts.
 
+use crate::numbers::{AXES, NUMBERS, Numbers, PARAMETERS, WHEELS};
+use crate::triangle::Triangle;
 use nalgebra::ArrayStorage;
 use poinsot_dynamics::propagation::{MOST_MODES, Mode};
 use poinsot_spatial::{Matrix3, Vector3};
 
-/// Most wheels.
-pub const WHEELS: usize = 8;
 /// Most joints.
 pub const JOINTS: usize = 7;
 /// Inputs that are measured: speeds of the wheels, positions of the joints, their rates.
 pub(crate) const INPUTS: usize = WHEELS + 2 * JOINTS;
-/// Inertial parameters of a body.
-pub(crate) const PARAMETERS: usize = 10;
-/// Numbers of an attitude, a bias or another vector.
-pub(crate) const AXES: usize = 3;
 /// Most samples that are held back to be put in order.
 pub(crate) const HELD_BACK: usize = 4;
 /// Most iterations for the eigenvalues of a symmetric matrix; three of them take about ten.
@@ -46,6 +42,27 @@ impl Wheel {
     fn numbers(&mut self) -> impl Iterator<Item = &mut f64> {
         let last = [&mut self.spin_inertia, &mut self.noise];
         self.axis_B.iter_mut().chain(last)
+    }
+
+    /// Unit directions across the axis, about which it tilts.
+    ///
+    /// ```
+    /// let wheel = poinsot_onboard::Wheel { axis_B: [0.0, 0.0, 1.0], spin_inertia: 1e-3, noise: 0.0 };
+    /// let [first, second] = wheel.across();
+    /// assert_eq!((first.x, second.y), (1.0, 1.0));
+    /// ```
+    pub fn across(&self) -> [Vector3; 2] {
+        let axis = Vector3::from(self.axis_B);
+        let mut least = Vector3::zeros();
+        least[axis.iamin()] = 1.0;
+        let first = (least - axis * axis.dot(&least)).normalize();
+        [first, axis.cross(&first)]
+    }
+
+    /// What of its momentum per unit of `spin_inertia` times speed each of its three numbers gives, in B.
+    fn directions(&self) -> [Vector3; AXES] {
+        let [first, second] = self.across();
+        [Vector3::from(self.axis_B), -second, first]
     }
 }
 
@@ -137,13 +154,14 @@ pub struct Noise {
 pub struct Configuration {
     /// The ten parameters of all known bodies that are fixed to B, about `Bo`, in the order of `poinsot_spatial::PARAMETER_NAMES`.
     pub known: [f64; PARAMETERS],
-    /// Nominal parameters of the unknown body.
-    pub nominal: [f64; PARAMETERS],
-    /// Which of them are unknown.
-    pub unknown: [bool; PARAMETERS],
-    /// Square root of the prior information over the unknown ones: the upper triangle of its first rows and columns. The prior
-    /// is `R (theta - nominal) = white noise`.
-    pub prior: [[f64; PARAMETERS]; PARAMETERS],
+    /// Nominal numbers: parameters of the unknown body, then errors of what is known, at [`crate::of_wheel`] and [`crate::MOUNTING`].
+    pub nominal: [f64; NUMBERS],
+    /// Which numbers are not exact, at their places: of the parameters these are the unknown ones, of [`crate::of_wheel`] and [`crate::MOUNTING`] those
+    /// that are known with a sigma.
+    pub uncertain: [bool; NUMBERS],
+    /// Square root of the prior information over these: the upper triangle of its first rows and columns. The prior is
+    /// `R (x - nominal) = white noise`.
+    pub prior: Triangle,
     /// Wheels; the first `wheel_count` count.
     pub wheels: [Wheel; WHEELS],
     /// Number of wheels.
@@ -179,9 +197,9 @@ impl Configuration {
     /// No vehicle.
     pub(crate) const NONE: Self = Self {
         known: [0.0; PARAMETERS],
-        nominal: [0.0; PARAMETERS],
-        unknown: [false; PARAMETERS],
-        prior: [[0.0; PARAMETERS]; PARAMETERS],
+        nominal: [0.0; NUMBERS],
+        uncertain: [false; NUMBERS],
+        prior: Triangle::ZERO,
         wheels: [Wheel {
             axis_B: [0.0; AXES],
             spin_inertia: 0.0,
@@ -221,7 +239,7 @@ impl Configuration {
     /// A vehicle of one body without wheels, nothing of it unknown. Gaps of 10 s; stale after 10 s; nothing is held back.
     pub fn new(nominal: [f64; PARAMETERS], noise: Noise) -> Self {
         Self {
-            nominal,
+            nominal: core::array::from_fn(|k| nominal.get(k).copied().unwrap_or_default()),
             noise,
             unknown_rotation: [0.0, 0.0, 0.0, 1.0],
             longest_gap_s: 10.0,
@@ -263,7 +281,7 @@ impl Configuration {
     /// Every number, in the order of the table.
     pub(crate) fn numbers(&mut self) -> impl Iterator<Item = &mut f64> {
         let body = self.known.iter_mut().chain(&mut self.nominal);
-        let body = body.chain(self.prior.as_flattened_mut());
+        let body = body.chain(&mut self.prior.0);
         body.chain(self.wheels.iter_mut().flat_map(Wheel::numbers))
             .chain(self.noise.numbers())
             .chain([&mut self.longest_gap_s, &mut self.stale_s])
@@ -284,11 +302,24 @@ impl Configuration {
     }
 
     /// Angular momentum of the wheels relative to the base at these speeds, in B, N m s.
-    pub(crate) fn wheel_momentum(&self, speeds: &[f64]) -> Vector3 {
+    pub(crate) fn wheel_momentum(&self, numbers: &Numbers, speeds: &[f64]) -> Vector3 {
         let wheels = self.wheels().iter().zip(speeds);
-        wheels.fold(Vector3::zeros(), |h, (wheel, speed)| {
-            h + Vector3::from(wheel.axis_B) * (wheel.spin_inertia * speed)
-        })
+        let errors = numbers[PARAMETERS..].chunks_exact(AXES);
+        wheels
+            .zip(errors)
+            .fold(Vector3::zeros(), |h, ((wheel, speed), errors)| {
+                let [axis, first, second] = wheel.directions();
+                let turned = axis * (1.0 + errors[0]) + first * errors[1] + second * errors[2];
+                h + turned * (wheel.spin_inertia * speed)
+            })
+    }
+
+    /// What a number of a wheel changes of it, by its place after the parameters.
+    pub(crate) fn wheel_slope(&self, place: usize, speeds: &[f64; WHEELS]) -> Vector3 {
+        let at = place / AXES;
+        let slope =
+            |wheel: &Wheel| wheel.directions()[place % AXES] * (wheel.spin_inertia * speeds[at]);
+        self.wheels().get(at).map_or_else(Vector3::zeros, slope)
     }
 
     pub(crate) fn modes(&self) -> &[Mode] {
@@ -299,10 +330,9 @@ impl Configuration {
         self.joints.get(..self.joint_count).unwrap_or_default()
     }
 
-    /// Places of the unknown parameters.
-    pub(crate) fn unknowns(&self) -> impl Iterator<Item = usize> {
-        let unknown = self.unknown;
-        (0..PARAMETERS).filter(move |k| unknown[*k])
+    /// Places of the numbers that are not exact.
+    pub(crate) fn uncertain(&self) -> impl Iterator<Item = usize> + Clone {
+        (0..NUMBERS).filter(|k| self.uncertain[*k])
     }
 
     /// Places of the inputs that the vehicle has.

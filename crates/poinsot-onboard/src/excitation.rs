@@ -1,9 +1,8 @@
 //! What of the motion the record has shown.
 
-use crate::configuration::{AXES, Configuration, INPUTS, ITERATIONS, JOINTS, of_joint, of_rate};
+use crate::configuration::{Configuration, INPUTS, ITERATIONS, JOINTS, of_joint, of_rate};
+use crate::numbers::AXES;
 use crate::placed::Placed;
-#[cfg(not(feature = "std"))]
-use nalgebra::ComplexField;
 use nalgebra::{ArrayStorage, SymmetricEigen};
 use poinsot_spatial::{Matrix3, TENSOR, angular};
 

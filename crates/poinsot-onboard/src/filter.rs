@@ -1,12 +1,13 @@
 //! Time and measurement updates.
 
 use crate::check::Invalid;
-use crate::configuration::{AXES, Configuration, INPUTS, ITERATIONS, PARAMETERS, of_rate};
+use crate::configuration::{Configuration, INPUTS, ITERATIONS, of_rate};
 use crate::excitation::Excitation;
 use crate::health::{Checkpoints, SENSORS, SensorCounts, Tests};
 use crate::information::{OfParameters, Rows, back_substitute, copy_triangle, eliminate};
 use crate::layout::{Layout, noises};
 use crate::motion::{Acting, Bend, Columns, Flexing, Interval, Linear, Moving, Scratch, motion_of};
+use crate::numbers::{AXES, MOUNTING, NUMBERS, Numbers, PARAMETERS};
 use crate::placed::Placed;
 use crate::posture::Posture;
 use crate::sample::Sample;
@@ -17,9 +18,9 @@ use core::f64::consts::TAU;
 use nalgebra::ComplexField;
 use nalgebra::{SMatrix, SVector, SymmetricEigen, UnitQuaternion};
 use poinsot_dynamics::propagation::{
-    COLUMN, Column, FlexibleMotion, FlexibleState, HALF, INTERNAL, PerMode, PoseMomentum, STATE,
+    COLUMN, Column, FlexibleMotion, FlexibleState, INTERNAL, PoseMomentum, STATE,
 };
-use poinsot_spatial::{Matrix3, Vector3, Vector6, angular, elements, linear, stacked};
+use poinsot_spatial::{Matrix3, Vector3, Vector6, angular, elements, linear};
 
 /// Squared normalised innovation of three numbers beyond which a measurement is not used: a false alarm of 3e-7.
 pub(crate) const GATE: f64 = 33.0;
@@ -86,8 +87,8 @@ struct Step {
 pub struct Filter<const N: usize, const WINDOW: usize> {
     pub(crate) configuration: Configuration,
     pub(crate) layout: Layout,
-    /// Parameters about which the motion is linearised.
-    pub(crate) body: [f64; PARAMETERS],
+    /// Numbers about which the motion is linearised.
+    pub(crate) numbers: Numbers,
     pub(crate) rows: Rows<N>,
     work: Rows<N>,
     /// Of the last interval.
@@ -103,8 +104,8 @@ pub struct Filter<const N: usize, const WINDOW: usize> {
     pub(crate) starts: u32,
     /// Up to when the parameters were forgotten, s.
     pub(crate) known_s: Option<f64>,
-    /// Prior sigma of each parameter, zero where it is known.
-    pub(crate) prior_sigma: [f64; PARAMETERS],
+    /// Prior sigma of each number, zero where it is exact.
+    pub(crate) prior_sigma: Numbers,
     /// The largest of mass, first moments and inertia.
     prior_spread: [f64; 3],
     pub(crate) running: Option<Running>,
@@ -131,29 +132,6 @@ pub(crate) struct Here {
     R: Matrix3,
 }
 
-/// What a parameter does to the momenta, pose and rates held: linear and angular in N, those of the modes.
-#[derive(Clone, Copy, Default)]
-struct MomentumSlope {
-    rigid: Vector6,
-    modes: PerMode,
-}
-
-impl MomentumSlope {
-    fn less(&self, other: &Self) -> Self {
-        Self {
-            rigid: self.rigid - other.rigid,
-            modes: self.modes - other.modes,
-        }
-    }
-
-    /// What a row over the state takes of it.
-    fn times(&self, row: &Column, modes: usize) -> f64 {
-        let own = row.fixed_rows::<HALF>(LINEAR).dot(&self.rigid);
-        let slopes = self.modes.iter().enumerate().take(modes);
-        own + slopes.map(|(k, x)| row[STATE + 2 * k + 1] * x).sum::<f64>()
-    }
-}
-
 impl Here {
     /// The vehicle as it was placed last.
     pub fn placed<'a>(&'a self, scratch: &'a Scratch) -> Placed<'a> {
@@ -172,7 +150,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     pub const IDLE: Self = Self {
         configuration: Configuration::NONE,
         layout: Layout::NONE,
-        body: [0.0; PARAMETERS],
+        numbers: [0.0; NUMBERS],
         rows: [[0.0; N]; N],
         work: [[0.0; N]; N],
         columns: Columns::NONE,
@@ -183,7 +161,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         before_start: OfParameters::NONE,
         starts: 0,
         known_s: None,
-        prior_sigma: [0.0; PARAMETERS],
+        prior_sigma: [0.0; NUMBERS],
         prior_spread: [0.0; 3],
         running: None,
         window: Window::NEW,
@@ -222,7 +200,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         configuration.check(N)?;
         self.configuration = *configuration;
         self.layout = Layout::new(configuration);
-        self.body = configuration.nominal;
+        self.numbers = configuration.nominal;
         self.gate = GATE;
         self.looseness = 0.0;
         self.shown = Excitation::new();
@@ -232,11 +210,13 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         self.tests = Tests::new(configuration.forget_s > 0.0);
         let prior = OfParameters::of(configuration.prior);
         self.before_start = prior;
-        self.checkpoints = Checkpoints::new(configuration.nominal, prior);
-        (self.prior_sigma, self.prior_spread) = ([0.0; PARAMETERS], [0.0; 3]);
-        let sigma = prior.sigma(self.layout.parameters);
-        for (&k, sigma) in self.layout.unknown().iter().zip(&sigma) {
+        self.checkpoints.begin(&self.numbers, &prior);
+        (self.prior_sigma, self.prior_spread) = ([0.0; NUMBERS], [0.0; 3]);
+        let sigma = prior.sigma(self.layout.numbers);
+        for (&k, sigma) in self.layout.numbers().iter().zip(&sigma) {
             self.prior_sigma[k] = *sigma;
+        }
+        for (&k, sigma) in self.layout.unknown().iter().zip(&sigma) {
             let kind = usize::from(k > 0) + usize::from(k > AXES);
             self.prior_spread[kind] = self.prior_spread[kind].max(*sigma);
         }
@@ -254,23 +234,57 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
 
     /// Information about the parameters alone, whatever the motion.
     pub(crate) fn of_parameters(&self) -> OfParameters {
-        let (first, count) = (self.layout.theta(), self.layout.parameters);
+        let (first, count) = (self.layout.theta(), self.layout.numbers);
         let mut out = OfParameters::NONE;
         for i in 0..count {
             let row = &self.rows[first + i];
-            out.R[i][..count].copy_from_slice(&row[first..first + count]);
+            for j in i..count {
+                out.R[(i, j)] = row[first + j];
+            }
             out.z[i] = row[N - 1];
         }
         out
     }
 
+    // What is copied of the triangle is not on the stack of what follows.
+    #[inline(never)]
+    pub(crate) fn solution(&self) -> Option<Numbers> {
+        self.of_parameters().solution(self.layout.numbers)
+    }
+
+    /// Sigma within which a motion may move before it is linearised anew: of the unknown numbers where the known ones are given.
+    #[inline(never)]
+    pub(crate) fn sigma_of_motion(&self) -> Numbers {
+        let Layout {
+            unknown, numbers, ..
+        } = self.layout;
+        let info = self.of_parameters();
+        let mut out = info.sigma(numbers);
+        out[..unknown].copy_from_slice(&info.sigma(unknown)[..unknown]);
+        out
+    }
+
+    #[inline(never)]
+    fn remember(&mut self) {
+        self.before_start = self.of_parameters();
+    }
+
+    #[inline(never)]
+    fn begin_again(&mut self) {
+        let before = self.before_start;
+        self.set_parameters(&before);
+    }
+
     /// The prior at the parameters in hand, without a motion.
+    #[inline(never)]
     pub(crate) fn set_prior(&mut self) {
-        let mut prior = OfParameters::of(self.configuration.prior);
-        for i in 0..self.layout.parameters {
-            let off = self.layout.unknown().iter().enumerate().skip(i);
+        let configuration = &self.configuration;
+        let mut prior = OfParameters::of(configuration.prior);
+        let nominal = &configuration.nominal;
+        for i in 0..self.layout.numbers {
+            let off = self.layout.numbers().iter().enumerate().skip(i);
             prior.z[i] = off
-                .map(|(j, &k)| prior.R[i][j] * (self.configuration.nominal[k] - self.body[k]))
+                .map(|(j, &k)| prior.R[(i, j)] * (nominal[k] - self.numbers[k]))
                 .sum();
         }
         self.known_s = None;
@@ -279,46 +293,49 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
 
     /// Forgets the motion, and knows this of the parameters.
     pub(crate) fn set_parameters(&mut self, info: &OfParameters) {
-        let (first, count) = (self.layout.theta(), self.layout.parameters);
+        let (first, count) = (self.layout.theta(), self.layout.numbers);
         self.rows = [[0.0; N]; N];
         for i in 0..count {
             let row = &mut self.rows[first + i];
-            row[first + i..first + count].copy_from_slice(&info.R[i][i..count]);
+            for j in i..count {
+                row[first + j] = info.R[(i, j)];
+            }
             row[N - 1] = info.z[i];
         }
         self.running = None;
     }
 
-    /// Follows a motion over an interval, and its columns, or those of the parameters alone.
+    /// Follows a motion over an interval, and its columns, or those of the numbers alone.
     fn follow(
         &mut self,
         from: &FlexibleState,
         interval: &Interval,
-        parameters_alone: bool,
+        numbers_alone: bool,
     ) -> Option<FlexibleState> {
-        let moving = Moving::new(&self.configuration, &self.body);
+        let moving = Moving::new(&self.configuration, &self.numbers);
         self.columns.begin(&self.configuration);
         let linear = Linear {
             columns: &mut self.columns,
             shown: &self.shown,
             scratch: &mut self.scratch,
-            parameters_alone,
+            numbers_alone,
         };
         moving.follow(from, interval, linear)
     }
 
     /// Begins to follow a motion at a sample that has all that it takes.
     fn start(&mut self, sample: &Sample) -> Option<()> {
-        let (R_NB, w) = (sample.rotation()?, Vector3::from(sample.gyro?));
+        let R_NB = sample.rotation()? * self.mounting().inverse();
+        let w = Vector3::from(sample.gyro?);
         let p_NoBo_N = match self.configuration.translates() {
             true => Vector3::from(sample.position?),
             false => Vector3::zeros(),
         };
         let inputs = sample.inputs();
-        let posture = Posture::new(&self.configuration, &self.body, &inputs);
+        let posture = Posture::new(&self.configuration, &self.numbers, &inputs);
         let whole = posture.whole.mass_properties()?;
         let (l, h) = (linear(&posture.momentum), angular(&posture.momentum));
-        let h = h + self.configuration.wheel_momentum(&inputs);
+        let h = h + self.configuration.wheel_momentum(&self.numbers, &inputs);
         let h_B = whole.I_BBcm_B * w + h - whole.p_BoBcm_B.cross(&l);
         let mut state = FlexibleState::from(PoseMomentum {
             R_NB,
@@ -327,7 +344,11 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             h_SScm_N: R_NB * h_B,
         });
         let flexing = &mut self.scratch.flexing[0];
-        Moving::new(&self.configuration, &self.body).place(&inputs, &Acting::zeros(), flexing)?;
+        Moving::new(&self.configuration, &self.numbers).place(
+            &inputs,
+            &Acting::zeros(),
+            flexing,
+        )?;
         if let Some(flexing) = flexing {
             state.internal = flexing.flexible.at_rest(&w);
         }
@@ -343,7 +364,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             age: 0,
         });
         self.shown.watch(&self.configuration, &inputs);
-        self.before_start = self.of_parameters();
+        self.remember();
         let layout = self.layout;
         self.rows[..layout.theta()].fill([0.0; N]);
         for k in 0..layout.inputs().len() {
@@ -376,7 +397,8 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             .running
             .is_some_and(|r| sample.time_s - r.time_s > self.configuration.longest_gap_s)
         {
-            self.set_parameters(&self.of_parameters());
+            self.rows[..self.layout.theta()].fill([0.0; N]);
+            self.running = None;
         }
         let mut step = None;
         if self.running.is_some() {
@@ -470,8 +492,8 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             }
             let bias = layout.bias();
             out[gone + bias..gone + theta].copy_from_slice(&row[bias..theta]);
-            for (j, &k) in layout.unknown().iter().enumerate() {
-                out[gone + theta + j] = row[theta + j] - over.dot(&columns.parameters[k]);
+            for (j, &k) in layout.numbers().iter().enumerate() {
+                out[gone + theta + j] = row[theta + j] - over.dot(&columns.numbers[k]);
             }
             out[N - 1] = row[N - 1];
         }
@@ -487,9 +509,13 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
 
     /// Lets the parameters walk for a time, s.
     fn forget(&mut self, dt: f64) {
-        let (theta, count) = (self.layout.theta(), self.layout.parameters);
+        let (theta, count) = (self.layout.theta(), self.layout.unknown);
         let columns = self.layout.columns();
-        let walk = OfParameters::of(self.configuration.prior).inverse(count);
+        let prior = OfParameters::of(self.configuration.prior);
+        let mut walk = [[0.0; NUMBERS]; PARAMETERS];
+        walk.iter_mut()
+            .zip(prior.inverse(count))
+            .for_each(|(to, column)| *to = column);
         let share = (dt / self.configuration.forget_s).sqrt();
         for k in 0..count {
             self.work[k] = [0.0; N];
@@ -498,7 +524,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         for (row, out) in self.rows[..columns].iter().zip(&mut self.work[count..]) {
             *out = [0.0; N];
             for k in 0..count {
-                let of_noise = (0..=k).map(|j| row[theta + j] * walk[j][k]);
+                let of_noise = (0..=k).map(|j| row[theta + j] * walk[k][j]);
                 out[k] = -share * of_noise.sum::<f64>();
             }
             out[count..count + columns].copy_from_slice(&row[..columns]);
@@ -533,7 +559,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let Some(running) = self.running.filter(|_| self.looseness > 0.0) else {
             return [declared, 0.0];
         };
-        let posture = Posture::new(&self.configuration, &self.body, &running.inputs);
+        let posture = Posture::new(&self.configuration, &self.numbers, &running.inputs);
         let force = running.force_B.norm();
         let [mass, moment, inertia] = self.prior_spread;
         let per_mass = force / posture.whole.mass;
@@ -557,7 +583,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     /// The motion in hand.
     pub(crate) fn here(&mut self) -> Option<Here> {
         let running = self.running.as_mut()?;
-        let moving = Moving::new(&self.configuration, &self.body);
+        let moving = Moving::new(&self.configuration, &self.numbers);
         let flexing = &mut self.scratch.flexing[0];
         let mut place = |inputs: &[f64; INPUTS]| {
             let (posture, locked) = moving.place(inputs, &Acting::zeros(), flexing)?;
@@ -579,23 +605,42 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         })
     }
 
-    fn slopes<'a>(&'a self, here: &'a Here) -> Slopes<'a> {
-        Slopes::new(here.placed(&self.scratch), &self.shown)
+    /// From the attitude sensor to B.
+    fn mounting(&self) -> UnitQuaternion<f64> {
+        let turn = Vector3::from_fn(|axis, _| self.numbers[MOUNTING + axis]);
+        UnitQuaternion::from_scaled_axis(turn)
     }
 
-    /// What each unknown parameter does to the momenta.
-    fn momentum_slopes(&self, here: &Here) -> [MomentumSlope; PARAMETERS] {
-        let mut out = [MomentumSlope::default(); PARAMETERS];
-        let slopes = self.slopes(here);
-        for &k in self.layout.unknown() {
+    fn slopes<'a>(&'a self, here: &'a Here) -> Slopes<'a> {
+        let placed = here.placed(&self.scratch);
+        Slopes::new(&self.configuration, placed, &self.shown)
+    }
+
+    /// Makes of a triangle over momenta and numbers one over rates and numbers; with a sign of -1 back again.
+    fn over_rates(&mut self, here: &Here, sign: f64) {
+        let layout = self.layout;
+        let slopes = Slopes::new(&self.configuration, here.placed(&self.scratch), &self.shown);
+        // What a number does to the momenta, pose and rates held, as a change of the state.
+        let all = &mut self.columns.numbers;
+        for (&k, out) in layout.numbers().iter().zip(&mut *all) {
             let slope = slopes.of(k);
             let (l, h) = (linear(&slope.momentum), angular(&slope.momentum));
-            out[k] = MomentumSlope {
-                rigid: stacked(&(here.R * l), &(here.R * h)),
-                modes: slope.of_modes,
-            };
+            out.fill(0.0);
+            out.fixed_rows_mut::<AXES>(LINEAR).copy_from(&(here.R * l));
+            out.fixed_rows_mut::<AXES>(ANGULAR).copy_from(&(here.R * h));
+            for (mode, momentum) in slope.of_modes.iter().enumerate() {
+                out[STATE + 2 * mode + 1] = *momentum;
+            }
         }
-        out
+        let momenta = (LINEAR, STATE + 2 * layout.modes - LINEAR);
+        for row in &mut self.rows[..layout.columns()] {
+            let over = layout.of_state(row);
+            let over = over.rows(momenta.0, momenta.1);
+            let numbers = &mut row[layout.theta()..layout.columns()];
+            for (number, slope) in numbers.iter_mut().zip(&*all) {
+                *number += sign * over.dot(&slope.rows(momenta.0, momenta.1));
+            }
+        }
     }
 
     /// All measurements of a sample.
@@ -612,10 +657,17 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         }
         let running = self.running?;
         if let Some(R_NB) = sample.rotation() {
-            let residual = (running.state.R_NB.inverse() * R_NB).scaled_axis();
-            let mut measurement = self.rows_of(1, &residual, self.configuration.noise.attitude);
+            let expected = running.state.R_NB * self.mounting();
+            let residual = (expected.inverse() * R_NB).scaled_axis();
+            let noise = self.configuration.noise.attitude;
+            let mut measurement = self.rows_of(1, &residual, noise);
+            let layout = self.layout;
+            let mountings = layout.mountings();
             for (axis, row) in measurement.rows.iter_mut().enumerate() {
-                row[self.layout.pose() + axis] = 1.0 / self.configuration.noise.attitude;
+                row[layout.pose() + axis] = 1.0 / noise;
+                if let Some(place) = mountings.clone().nth(axis) {
+                    row[place] = 1.0 / noise;
+                }
             }
             consistent &= self.update(&measurement, running.age);
         }
@@ -633,8 +685,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         if !consistent && running.age < SETTLING {
             // One of the samples that the motion began with is far off, and there is no telling which: the next one begins, a few
             // times.
-            let before = self.before_start;
-            self.set_parameters(&before);
+            self.begin_again();
             self.starts += 1;
             return (self.starts <= STARTS).then_some(());
         }
@@ -666,7 +717,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let measurement = self.gyro(measured)?;
         let mut change = [0.0; N];
         let size = self.weigh(&measurement).norm_squared();
-        let (none, state) = ([0.0; PARAMETERS], 0..self.layout.theta());
+        let (none, state) = ([0.0; NUMBERS], 0..self.layout.theta());
         if size <= self.gate && back_substitute(&self.work, state, &none, &mut change).is_some() {
             self.move_inputs(&change)?;
             for row in &mut self.rows[..self.layout.columns()] {
@@ -684,13 +735,13 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     /// Linearises the last interval about the inputs found at its end.
     fn straighten(&mut self, mut step: Step) -> Option<()> {
         step.interval.found[1] = self.running?.found();
-        let before = self.columns.parameters;
+        let before = self.columns.numbers;
         self.follow(&step.from, &step.interval, true)?;
         let (layout, columns) = (self.layout, &self.columns);
         for row in &mut self.rows[..layout.columns()] {
             let over = layout.of_state(row);
-            for (j, &k) in layout.unknown().iter().enumerate() {
-                row[layout.theta() + j] -= over.dot(&(columns.parameters[k] - before[k]));
+            for (j, &k) in layout.numbers().iter().enumerate() {
+                row[layout.theta() + j] -= over.dot(&(columns.numbers[k] - before[k]));
             }
         }
         Some(())
@@ -725,7 +776,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let inputs = here.placed(&self.scratch).input_twists(&self.configuration);
         let inputs = inputs.map(|t| angular(&t));
         let slopes = self.slopes(&here);
-        for (j, &k) in layout.unknown().iter().enumerate() {
+        for (j, &k) in layout.numbers().iter().enumerate() {
             let turn = angular(&slopes.of(k).change.twist);
             for (row, turn) in out.rows.iter_mut().zip(&turn) {
                 row[layout.theta() + j] = turn / noise;
@@ -772,14 +823,14 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
 
     /// Moves the motion to the most likely one at the present parameters.
     fn follow_estimate(&mut self) -> Option<()> {
-        let none = [0.0; PARAMETERS];
+        let none = [0.0; NUMBERS];
         let mut change = [0.0; N];
         // At the beginning not all of the state is known.
         if back_substitute(&self.rows, 0..self.layout.theta(), &none, &mut change).is_none() {
             return Some(());
         }
-        let body = self.body;
-        self.shift(&change, body)?;
+        let numbers = self.numbers;
+        self.shift(&change, numbers)?;
         for row in &mut self.rows[..self.layout.theta()] {
             row[N - 1] = 0.0;
         }
@@ -788,28 +839,24 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
 
     /// Moves the parameters to their estimate where they moved by more than a tenth of a sigma, and the motion with them.
     pub(crate) fn follow_parameters(&mut self) -> Option<()> {
-        let count = self.layout.parameters;
-        let info = self.of_parameters();
-        let change = info.solution(count)?;
-        let sigma = info.sigma(count);
-        let moved = change.iter().zip(&sigma).take(count);
-        if moved
-            .clone()
-            .all(|(change, sigma)| change.abs() <= MOVED * sigma)
-        {
+        let count = self.layout.numbers;
+        let change = self.solution()?;
+        let sigma = self.sigma_of_motion();
+        let mut moved = change.iter().zip(&sigma).take(count);
+        if moved.all(|(change, sigma)| change.abs() <= MOVED * sigma) {
             return Some(());
         }
-        let mut body = self.body;
-        for (&k, change) in self.layout.unknown().iter().zip(&change) {
-            body[k] += change;
+        let mut numbers = self.numbers;
+        for (&k, change) in self.layout.numbers().iter().zip(&change) {
+            numbers[k] += change;
         }
         let mut of_state = [0.0; N];
         let known = back_substitute(&self.rows, 0..self.layout.theta(), &change, &mut of_state);
         // An impossible vehicle has no motion: the last possible one stays the point of linearisation.
-        if known.is_none() || !self.configuration.is_possible(&body) {
+        if known.is_none() || !self.configuration.is_possible(&numbers) {
             return Some(());
         }
-        self.shift(&of_state, body)?;
+        self.shift(&of_state, numbers)?;
         let first = self.layout.theta();
         for row in &mut self.rows[first..first + count] {
             row[N - 1] = 0.0;
@@ -823,11 +870,11 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     /// triangle is the same over rates and parameters before and after, not over momentum and parameters. With it directions
     /// of which the data know nothing keep their prior, however often the point moves: a common factor of inertia and momentum in
     /// free rotation, of mass and momentum without a force.
-    fn shift(&mut self, change: &[f64; N], body: [f64; PARAMETERS]) -> Option<()> {
+    fn shift(&mut self, change: &[f64; N], numbers: Numbers) -> Option<()> {
         // An error of an input is white: what is known of the momentum does not follow it.
         self.move_inputs(change)?;
         let here = self.here()?;
-        let before = self.momentum_slopes(&here);
+        self.over_rates(&here, 1.0);
         let layout = self.layout;
         let running = self.running.as_mut()?;
         let state = layout.of_state(change);
@@ -842,34 +889,37 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         for axis in 0..AXES {
             running.bias[axis] += change[layout.bias() + axis];
         }
-        let moved: [f64; PARAMETERS] = core::array::from_fn(|k| body[k] - self.body[k]);
-        self.body = body;
+        let moved: Numbers = core::array::from_fn(|k| numbers[k] - self.numbers[k]);
+        self.numbers = numbers;
         let there = self.here()?;
         self.shown
             .add(&self.configuration, &there.placed(&self.scratch));
-        let after = self.momentum_slopes(&there);
-        let apart: [MomentumSlope; PARAMETERS] =
-            core::array::from_fn(|k| after[k].less(&before[k]));
-        let stays = moved == [0.0; PARAMETERS];
-        let carried = match stays {
-            true => TenByTen::zeros(),
-            false => self.carried(&moved, &here, &there)?,
-        };
-        let theta = layout.theta();
-        for row in &mut self.rows[..layout.columns()] {
-            let over = layout.of_state(row);
-            let mut with_rate = SVector::<f64, PARAMETERS>::zeros();
-            for (j, &k) in layout.unknown().iter().enumerate() {
-                with_rate[k] = row[theta + j] + before[k].times(&over, layout.modes);
-            }
-            let change = carried.tr_mul(&with_rate);
-            for (j, &k) in layout.unknown().iter().enumerate() {
-                row[theta + j] += change[k] - apart[k].times(&over, layout.modes);
-            }
-        }
-        if stays {
+        if moved == [0.0; NUMBERS] {
+            self.over_rates(&there, -1.0);
             return Some(());
         }
+        let carried = self.carried(&moved, &here, &there)?;
+        // A common factor of inertia and wheels may be what does not show.
+        let mut shares = [0.0; PARAMETERS];
+        let (I, R) = (&there.motion.centre.I_SScm_B, &there.posture.unknown.R);
+        shares[AXES + 1..].copy_from_slice(&self.shown.shares(I, R));
+        let theta = layout.theta();
+        for row in &mut self.rows[..layout.columns()] {
+            let mut body = SVector::<f64, PARAMETERS>::zeros();
+            let mut of_wheels = 0.0;
+            for (&k, slope) in layout.numbers().iter().zip(&row[theta..]) {
+                match k {
+                    0..PARAMETERS => body[k] = *slope,
+                    MOUNTING.. => {}
+                    _ => of_wheels += slope * moved[k],
+                }
+            }
+            let change = carried.tr_mul(&body);
+            for (&k, slope) in layout.unknown().iter().zip(&mut row[theta..]) {
+                *slope += change[k] - of_wheels * shares[k];
+            }
+        }
+        self.over_rates(&there, -1.0);
         // The parameters' own rows are no triangle any more.
         let end = layout.columns();
         for pivot in theta..end {
@@ -885,12 +935,12 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     /// that all parameters show, common factors of inertia and of mass and first moments stay as they are.
     // Its matrices are not on the stack of every sample.
     #[inline(never)]
-    fn carried(&self, moved: &[f64; PARAMETERS], here: &Here, there: &Here) -> Option<TenByTen> {
+    fn carried(&self, moved: &Numbers, here: &Here, there: &Here) -> Option<TenByTen> {
         let I = &there.motion.centre.I_SScm_B;
         let R = &there.posture.unknown.R;
         if self.configuration.translates() {
             let mut scales = [0.0; PARAMETERS];
-            scales[0] = 1.0 / self.body[0];
+            scales[0] = 1.0 / self.numbers[0];
             scales[AXES + 1..].copy_from_slice(&self.shown.shares(I, R));
             return Some(TenByTen::from_fn(|k, l| match (k > AXES) == (l > AXES) {
                 true => -moved[k] * scales[l],
@@ -898,7 +948,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             }));
         }
         let [old, new] = [here, there].map(|at| at.posture.inertia_slopes(&at.motion));
-        let sigma = SVector::<f64, PARAMETERS>::from(self.prior_sigma);
+        let sigma = SVector::<f64, PARAMETERS>::from_fn(|k, _| self.prior_sigma[k]);
         let scaled = old * TenByTen::from_diagonal(&sigma);
         let eigen = SymmetricEigen::try_new(scaled * scaled.transpose(), f64::EPSILON, ITERATIONS)?;
         let smallest = ROUND_OFF * eigen.eigenvalues.max();

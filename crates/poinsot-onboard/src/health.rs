@@ -1,7 +1,7 @@
 //! Tests of the innovations, and what becomes of them.
 
-use crate::configuration::{AXES, PARAMETERS};
 use crate::information::OfParameters;
+use crate::numbers::{AXES, NUMBERS, Numbers};
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField;
 
@@ -218,7 +218,7 @@ impl Tests {
 /// What was known of the parameters.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Checkpoint {
-    pub body: [f64; PARAMETERS],
+    pub numbers: Numbers,
     pub info: OfParameters,
     /// Up to when they were forgotten, s.
     pub known_s: Option<f64>,
@@ -236,19 +236,18 @@ pub(crate) struct Checkpoints {
 impl Checkpoints {
     /// Nothing is known.
     pub const NONE: Self = Self::of(Checkpoint {
-        body: [0.0; PARAMETERS],
+        numbers: [0.0; NUMBERS],
         info: OfParameters::NONE,
         known_s: None,
         is_prior: false,
     });
 
-    pub fn new(body: [f64; PARAMETERS], prior: OfParameters) -> Self {
-        Self::of(Checkpoint {
-            body,
-            info: prior,
-            known_s: None,
-            is_prior: true,
-        })
+    /// Nothing but the prior is known.
+    pub fn begin(&mut self, numbers: &Numbers, prior: &OfParameters) {
+        for checkpoint in self.short.iter_mut().chain(&mut self.long) {
+            (checkpoint.numbers, checkpoint.info) = (*numbers, *prior);
+            (checkpoint.known_s, checkpoint.is_prior) = (None, true);
+        }
     }
 
     const fn of(first: Checkpoint) -> Self {

@@ -1,6 +1,7 @@
 //! The triangle `R` with `R x = z + white noise`.
 
-use crate::configuration::PARAMETERS;
+use crate::numbers::{NUMBERS, Numbers, PARAMETERS};
+use crate::triangle::Triangle;
 use core::ops::Range;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField;
@@ -62,7 +63,7 @@ pub fn copy_triangle<const N: usize>(from: &Rows<N>, to: &mut Rows<N>, columns: 
 pub fn back_substitute<const N: usize>(
     rows: &Rows<N>,
     range: Range<usize>,
-    later: &[f64; PARAMETERS],
+    later: &Numbers,
     out: &mut [f64; N],
 ) -> Option<()> {
     for i in range.clone().rev() {
@@ -82,57 +83,75 @@ pub fn back_substitute<const N: usize>(
     out[range].iter().all(|x| x.is_finite()).then_some(())
 }
 
-/// A triangle over the parameters alone, and `z`.
+/// A triangle over the numbers that stay, and `z`.
 #[derive(Debug, Clone, Copy)]
 pub struct OfParameters {
-    pub R: [[f64; PARAMETERS]; PARAMETERS],
-    pub z: [f64; PARAMETERS],
+    pub R: Triangle,
+    pub z: Numbers,
 }
 
 // Sums over a triangle read best by their indices.
 #[allow(clippy::needless_range_loop)]
 impl OfParameters {
-    pub const NONE: Self = Self {
-        R: [[0.0; PARAMETERS]; PARAMETERS],
-        z: [0.0; PARAMETERS],
-    };
+    pub const NONE: Self = Self::of(Triangle::ZERO);
 
     /// About zero.
-    pub const fn of(R: [[f64; PARAMETERS]; PARAMETERS]) -> Self {
-        Self { R, ..Self::NONE }
+    pub const fn of(R: Triangle) -> Self {
+        Self {
+            R,
+            z: [0.0; NUMBERS],
+        }
     }
 
     /// `R^-1 z` of the first `count`.
-    pub fn solution(&self, count: usize) -> Option<[f64; PARAMETERS]> {
-        let mut out = [0.0; PARAMETERS];
+    pub fn solution(&self, count: usize) -> Option<Numbers> {
+        let mut out = [0.0; NUMBERS];
         for i in (0..count).rev() {
             let mut sum = self.z[i];
             for k in i + 1..count {
-                sum -= self.R[i][k] * out[k];
+                sum -= self.R[(i, k)] * out[k];
             }
-            out[i] = sum / self.R[i][i];
+            out[i] = sum / self.R[(i, i)];
         }
         out.iter().all(|x| x.is_finite()).then_some(out)
     }
 
-    /// Rows of `R^-1`, whose product with its transpose is the covariance.
-    pub fn inverse(&self, count: usize) -> [[f64; PARAMETERS]; PARAMETERS] {
-        let mut inverse = [[0.0; PARAMETERS]; PARAMETERS];
-        for j in 0..count {
+    /// Columns of `R^-1`, whose product with its transpose is the covariance.
+    pub fn inverse(&self, count: usize) -> impl Iterator<Item = Numbers> {
+        (0..count).map(|j| {
+            let mut column = [0.0; NUMBERS];
             for i in (0..=j).rev() {
                 let mut sum = if i == j { 1.0 } else { 0.0 };
                 for k in i + 1..=j {
-                    sum -= self.R[i][k] * inverse[k][j];
+                    sum -= self.R[(i, k)] * column[k];
                 }
-                inverse[i][j] = sum / self.R[i][i];
+                column[i] = sum / self.R[(i, i)];
+            }
+            column
+        })
+    }
+
+    /// Covariance of the first `own`.
+    pub fn covariance(&self, own: usize, count: usize) -> [[f64; PARAMETERS]; PARAMETERS] {
+        let mut out = [[0.0; PARAMETERS]; PARAMETERS];
+        for column in self.inverse(count) {
+            for (row, a) in out.iter_mut().zip(&column[..own]) {
+                for (sum, b) in row.iter_mut().zip(&column[..own]) {
+                    *sum += a * b;
+                }
             }
         }
-        inverse
+        out
     }
 
     /// Sigma of each of the first `count`.
-    pub fn sigma(&self, count: usize) -> [f64; PARAMETERS] {
-        self.inverse(count)
-            .map(|row| row.iter().map(|x| x * x).sum::<f64>().sqrt())
+    pub fn sigma(&self, count: usize) -> Numbers {
+        let mut out = [0.0; NUMBERS];
+        for column in self.inverse(count) {
+            for (sum, x) in out.iter_mut().zip(&column) {
+                *sum += x * x;
+            }
+        }
+        out.map(f64::sqrt)
     }
 }

@@ -1,6 +1,7 @@
 //! Places of the columns.
 
-use crate::configuration::{AXES, Configuration, INPUTS, PARAMETERS, WHEELS};
+use crate::configuration::{Configuration, INPUTS};
+use crate::numbers::{AXES, MOUNTING, NUMBERS, PARAMETERS, WHEELS};
 use poinsot_dynamics::propagation::{COLUMN, Column, INTERNAL, STATE};
 
 /// Components of the kernels' state `[dphi_B, dp_N, dP_N, dh_N]` in the order of the filter's columns; without a position the first six
@@ -19,9 +20,10 @@ pub struct Layout {
     state_count: usize,
     /// Modes.
     pub modes: usize,
-    /// Unknown parameters, the last columns.
-    pub parameters: usize,
-    unknown: [usize; PARAMETERS],
+    /// Uncertain numbers, the last columns, and how many of them are unknown, the first ones.
+    pub numbers: usize,
+    pub unknown: usize,
+    places: [usize; NUMBERS],
 }
 
 impl Layout {
@@ -31,13 +33,18 @@ impl Layout {
         state: [0; COLUMN],
         state_count: 0,
         modes: 0,
-        parameters: 0,
-        unknown: [0; PARAMETERS],
+        numbers: 0,
+        unknown: 0,
+        places: [0; NUMBERS],
     };
 
     pub fn new(configuration: &Configuration) -> Self {
         let mut layout = Self {
             modes: configuration.modes().len(),
+            unknown: configuration
+                .uncertain()
+                .filter(|k| *k < PARAMETERS)
+                .count(),
             ..Self::NONE
         };
         let free = if configuration.translates() {
@@ -56,10 +63,9 @@ impl Layout {
             *place = k;
             layout.input_count += 1;
         }
-        let unknown = configuration.unknown.iter().enumerate().filter(|u| *u.1);
-        for (place, (k, _)) in layout.unknown.iter_mut().zip(unknown) {
+        for (place, k) in layout.places.iter_mut().zip(configuration.uncertain()) {
             *place = k;
-            layout.parameters += 1;
+            layout.numbers += 1;
         }
         layout
     }
@@ -74,9 +80,22 @@ impl Layout {
         self.inputs().iter().filter(|k| **k < WHEELS).count()
     }
 
-    /// Indices of the unknown parameters.
+    /// Indices of the uncertain numbers.
+    pub fn numbers(&self) -> &[usize] {
+        &self.places[..self.numbers]
+    }
+
+    /// Indices of the unknown ones.
     pub fn unknown(&self) -> &[usize] {
-        &self.unknown[..self.parameters]
+        &self.places[..self.unknown]
+    }
+
+    /// Columns of the turn of the attitude sensor.
+    pub fn mountings(&self) -> impl Iterator<Item = usize> + Clone {
+        let numbers = self.numbers().iter().enumerate();
+        let first = numbers.filter(|(_, k)| **k >= MOUNTING);
+        let theta = self.theta();
+        first.map(move |(j, _)| theta + j)
     }
 
     /// Components of the kernels' state, in the order of the columns.
@@ -108,19 +127,20 @@ impl Layout {
         self.pose() + self.state().len()
     }
 
-    /// First column of the parameters.
+    /// First column of the numbers.
     pub fn theta(&self) -> usize {
         self.bias() + AXES
     }
 
     /// Number of columns.
     pub fn columns(&self) -> usize {
-        self.theta() + self.parameters
+        self.theta() + self.numbers
     }
 }
 
-/// Columns that any configuration fits into: the state with a position and modes, the bias and all parameters, a column more for each
-/// input at the other end of an interval and for the mean of each wheel, the noises of both momenta and of the bias, and `z`.
+/// Columns that any configuration with exact known numbers fits into: the state with a position and modes, the bias and all parameters, a
+/// column more for each input at the other end of an interval and for the mean of each wheel, the noises of both momenta and of the bias,
+/// and `z`. Known numbers have room where there are wheels or joints alone.
 pub const COLUMNS: usize =
     INPUTS + STATE + INTERNAL + AXES + PARAMETERS + INPUTS + WHEELS + 3 * AXES + 1;
 
@@ -129,7 +149,7 @@ pub fn required_capacity(configuration: &Configuration) -> usize {
     let layout = Layout::new(configuration);
     let entering = layout.input_count + layout.wheels() + noises(configuration);
     let forgotten = if configuration.forget_s > 0.0 {
-        layout.parameters
+        layout.unknown
     } else {
         0
     };

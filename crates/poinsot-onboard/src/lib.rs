@@ -19,6 +19,7 @@
 //! replayed until the parameters stay; see [`Filter::push`].
 //!
 //! # Files
+//! - `numbers.rs`: numbers that stay, and their places. `triangle.rs`: what is known of them.
 //! - `configuration.rs`, `check.rs`: vehicle, priors, noise, limits. `table.rs`: the same as checked bytes.
 //! - `sample.rs`: what is measured. `stream.rs`: order and clock of samples, the first window.
 //! - `layout.rs`, `information.rs`: the triangle. `posture.rs`: the vehicle at one position of its joints. `placed.rs`: the same in motion,
@@ -39,6 +40,7 @@ mod health;
 mod information;
 mod layout;
 mod motion;
+mod numbers;
 mod placed;
 mod posture;
 mod push;
@@ -47,15 +49,18 @@ mod sample;
 mod slopes;
 mod stream;
 mod table;
+mod triangle;
 
 pub use answer::{Answer, Number};
 pub use check::Invalid;
-pub use configuration::{Configuration, JOINTS, Joint, Noise, WHEELS, Wheel};
+pub use configuration::{Configuration, JOINTS, Joint, Noise, Wheel};
 pub use filter::Filter;
 pub use ground::GroundFilter;
 pub use health::{Health, SensorCounts};
 pub use layout::COLUMNS;
+pub use numbers::{MOUNTING, NUMBERS, WHEELS, of_wheel};
 pub use poinsot_dynamics::propagation::Mode;
 pub use sample::Sample;
 pub use stream::Refusal;
 pub use table::{TABLE, TableError};
+pub use triangle::Triangle;

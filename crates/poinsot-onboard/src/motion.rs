@@ -1,7 +1,8 @@
 //! The motion over one interval between samples, with the columns of the linearised equations.
 
-use crate::configuration::{AXES, Configuration, INPUTS, PARAMETERS, WHEELS, of_joint, of_rate};
+use crate::configuration::{Configuration, INPUTS, of_joint, of_rate};
 use crate::excitation::Excitation;
+use crate::numbers::{AXES, MOUNTING, NUMBERS, Numbers, WHEELS};
 use crate::placed::Placed;
 use crate::posture::{AT_REST, Posture, momentum};
 use crate::sample::Sample;
@@ -78,8 +79,8 @@ pub struct Columns {
     pub state: [Column; COLUMN],
     /// Over the noise of each input at both ends, one sigma.
     pub inputs: [[Column; INPUTS]; 2],
-    /// Over all parameters of the unknown body.
-    pub parameters: [Column; PARAMETERS],
+    /// Over the uncertain numbers.
+    pub numbers: [Column; NUMBERS],
 }
 
 impl Columns {
@@ -88,7 +89,7 @@ impl Columns {
         Self {
             state: [none; COLUMN],
             inputs: [[none; INPUTS]; 2],
-            parameters: [none; PARAMETERS],
+            numbers: [none; NUMBERS],
         }
     };
 
@@ -113,8 +114,8 @@ impl Columns {
                 .iter_mut()
                 .for_each(|of_end| of_end[k].fill(0.0));
         }
-        for k in configuration.unknowns() {
-            self.parameters[k].fill(0.0);
+        for k in configuration.uncertain() {
+            self.numbers[k].fill(0.0);
         }
     }
 }
@@ -125,13 +126,13 @@ pub struct Linear<'a> {
     pub shown: &'a Excitation,
     pub scratch: &'a mut Scratch,
     /// Whether the columns of state and inputs are not asked for.
-    pub parameters_alone: bool,
+    pub numbers_alone: bool,
 }
 
-/// The vehicle at one value of the parameters.
+/// The vehicle at one value of the numbers.
 pub struct Moving<'a> {
     pub configuration: &'a Configuration,
-    pub body: &'a [f64; PARAMETERS],
+    pub numbers: &'a Numbers,
 }
 
 /// The equations at one point of a step.
@@ -140,17 +141,28 @@ struct Point {
     pose: StateRows,
     push: StateRows,
     inputs: [Vector6; INPUTS],
-    parameters: [Vector6; PARAMETERS],
-    pushes: [Vector6; PARAMETERS],
+    numbers: [Vector6; NUMBERS],
+    pushes: [Vector6; NUMBERS],
 }
 
 /// The modes at one point of a step, and what the linearised equations need beside those of the base.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct Flexing {
     pub flexible: Flexibility,
     pub rows: ModeRows,
     inputs: [Internal; INPUTS],
-    parameters: [Internal; PARAMETERS],
+    numbers: [Internal; NUMBERS],
+}
+
+impl Default for Flexing {
+    fn default() -> Self {
+        Self {
+            flexible: Flexibility::default(),
+            rows: ModeRows::default(),
+            inputs: [Internal::zeros(); INPUTS],
+            numbers: [Internal::zeros(); NUMBERS],
+        }
+    }
 }
 
 /// What a step is computed in: too large for the stack.
@@ -168,8 +180,8 @@ impl Point {
             pose: StateRows::NONE,
             push: StateRows::NONE,
             inputs: [none; INPUTS],
-            parameters: [none; PARAMETERS],
-            pushes: [none; PARAMETERS],
+            numbers: [none; NUMBERS],
+            pushes: [none; NUMBERS],
         }
     };
 }
@@ -287,10 +299,10 @@ impl Interval {
 }
 
 impl<'a> Moving<'a> {
-    pub fn new(configuration: &'a Configuration, body: &'a [f64; PARAMETERS]) -> Self {
+    pub fn new(configuration: &'a Configuration, numbers: &'a Numbers) -> Self {
         Self {
             configuration,
-            body,
+            numbers,
         }
     }
 
@@ -299,10 +311,10 @@ impl<'a> Moving<'a> {
     /// Of the joints it is the twist, not the momentum: errors of positions take it along a path that they close again, and what is left of
     /// that in the integral is small where each is divided by the inertia at its own place.
     pub fn acting(&self, inputs: &[f64; INPUTS]) -> Option<Acting> {
-        let h = self.configuration.wheel_momentum(inputs);
+        let h = self.configuration.wheel_momentum(self.numbers, inputs);
         let mut twist = Vector6::zeros();
         if self.configuration.joint_count > 0 {
-            let posture = Posture::new(self.configuration, self.body, inputs);
+            let posture = Posture::new(self.configuration, self.numbers, inputs);
             let by_joints = posture
                 .locked(&Vector6::zeros())?
                 .base_motion(&AT_REST)
@@ -332,8 +344,8 @@ impl<'a> Moving<'a> {
         inputs: &[f64; INPUTS],
         more: &Acting,
     ) -> Option<(Posture, LockedVehicle)> {
-        let posture = Posture::new(self.configuration, self.body, inputs);
-        let h = self.configuration.wheel_momentum(inputs);
+        let posture = Posture::new(self.configuration, self.numbers, inputs);
+        let h = self.configuration.wheel_momentum(self.numbers, inputs);
         let h = stacked(&Vector3::zeros(), &h) + more.column(0);
         let of_twist = momentum(&posture.whole, &more.column(1).into_owned());
         let locked = posture.locked(&(h - of_twist))?;
@@ -422,6 +434,11 @@ impl<'a> Moving<'a> {
         Some(end)
     }
 
+    /// The uncertain numbers that the motion depends on.
+    fn moving_numbers(&self) -> impl Iterator<Item = usize> {
+        self.configuration.uncertain().filter(|k| *k < MOUNTING)
+    }
+
     /// Fills the equations at one point.
     fn point(
         &self,
@@ -435,7 +452,7 @@ impl<'a> Moving<'a> {
         let (mut flexible, mut modes) = (None, None);
         if let Some(f) = flexing {
             flexible = Some(&f.flexible);
-            modes = Some((&mut f.rows, &mut f.inputs, &mut f.parameters));
+            modes = Some((&mut f.rows, &mut f.inputs, &mut f.numbers));
         }
         let motion = &motion_of(&locked, flexible, state)?;
         let placed = Placed {
@@ -452,15 +469,15 @@ impl<'a> Moving<'a> {
                 inputs[k] = placed.mode_rates(&change, &Vector3::zeros());
             }
         }
-        let slopes = Slopes::new(placed, shown);
-        for k in self.configuration.unknowns() {
+        let slopes = Slopes::new(self.configuration, placed, shown);
+        for k in self.moving_numbers() {
             let slope = slopes.of(k);
             let h = R * force.cross(&slope.centre);
-            out.parameters[k] = pose_change(&R, &slope.change.twist);
+            out.numbers[k] = pose_change(&R, &slope.change.twist);
             out.pushes[k] = Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z);
-            if let Some((_, _, parameters)) = &mut modes {
+            if let Some((_, _, numbers)) = &mut modes {
                 let lighter = force * (-slope.mass / motion.centre.mass);
-                parameters[k] = placed.mode_rates(&slope.change, &lighter);
+                numbers[k] = placed.mode_rates(&slope.change, &lighter);
             }
         }
         let mut map = motion.twist_rows(state);
@@ -483,16 +500,16 @@ impl<'a> Moving<'a> {
             modes: flexing.map(|f| f.map(|f| &f.rows)),
         };
         let columns = &mut *linear.columns;
-        for k in self.configuration.unknowns() {
-            let of_modes = flexing.map(|f| f.map_or_else(Internal::zeros, |f| f.parameters[k]));
+        for k in self.moving_numbers() {
+            let of_modes = flexing.map(|f| f.map_or_else(Internal::zeros, |f| f.numbers[k]));
             let drives = Drives {
-                pose: points.map(|p| p.parameters[k].into()),
+                pose: points.map(|p| p.numbers[k].into()),
                 push: points.map(|p| p.pushes[k].into()),
                 internal: of_modes.map(Into::into),
             };
-            rows.carry_column(&mut columns.parameters[k], &drives, dt);
+            rows.carry_column(&mut columns.numbers[k], &drives, dt);
         }
-        if linear.parameters_alone {
+        if linear.numbers_alone {
             return;
         }
         let used = STATE + 2 * self.configuration.mode_count;

@@ -1,6 +1,7 @@
 //! The vehicle at one motion, and what changes of it do.
 
-use crate::configuration::{Configuration, INPUTS, JOINTS, WHEELS};
+use crate::configuration::{Configuration, INPUTS, JOINTS};
+use crate::numbers::WHEELS;
 use crate::posture::{Held, Posture};
 use poinsot_dynamics::propagation::{
     BodyChange, Flexibility, FlexibleChange, FlexibleMotion, Internal, OneBody,

@@ -2,9 +2,8 @@
 //!
 //! Everything is in B, about `Bo`. A joint moves what it carries by a twist of its own for each unit of its rate.
 
-use crate::configuration::{
-    AXES, Configuration, INPUTS, ITERATIONS, JOINTS, Joint, PARAMETERS, of_joint, of_rate,
-};
+use crate::configuration::{Configuration, INPUTS, ITERATIONS, JOINTS, Joint, of_joint, of_rate};
+use crate::numbers::{AXES, Numbers, PARAMETERS, WHEELS};
 use nalgebra::{Quaternion, SMatrix, SymmetricEigen};
 use poinsot_dynamics::Composite;
 use poinsot_dynamics::propagation::{BaseMotion, Flexibility, LockedVehicle, PoseMomentum};
@@ -70,6 +69,8 @@ pub struct Posture {
     pub whole: InertialParameters,
     /// Momentum of the joints, the base at rest.
     pub momentum: Vector6,
+    /// Speeds of the wheels, rad/s.
+    pub speeds: [f64; WHEELS],
     /// What each joint carries, and how it moves it.
     carried: [InertialParameters; JOINTS],
     screws: [Vector6; JOINTS],
@@ -113,12 +114,8 @@ pub fn momentum(of: &InertialParameters, twist: &Vector6) -> Vector6 {
 }
 
 impl Posture {
-    /// The vehicle with these parameters of the unknown body.
-    pub fn new(
-        configuration: &Configuration,
-        body: &[f64; PARAMETERS],
-        inputs: &[f64; INPUTS],
-    ) -> Self {
+    /// The vehicle with these numbers.
+    pub fn new(configuration: &Configuration, numbers: &Numbers, inputs: &[f64; INPUTS]) -> Self {
         let joints = configuration.joints();
         let mut links = [Pose::BASE; JOINTS];
         let mut out = Self {
@@ -126,6 +123,7 @@ impl Posture {
             of_unknown: Vector6::zeros(),
             whole: InertialParameters::from_array(&configuration.known),
             momentum: Vector6::zeros(),
+            speeds: core::array::from_fn(|k| inputs[k]),
             carried: [InertialParameters::ZERO; JOINTS],
             screws: [Vector6::zeros(); JOINTS],
             rates: [0.0; JOINTS],
@@ -155,7 +153,7 @@ impl Posture {
             configuration.unknown_rotation,
             configuration.unknown_position,
         );
-        let body = InertialParameters::from_array(body);
+        let body = InertialParameters::from_array(&core::array::from_fn(|k| numbers[k]));
         let body = body.transported(&out.unknown.R, &out.unknown.p);
         match place {
             Some(j) => {
@@ -236,9 +234,9 @@ impl Posture {
 }
 
 impl Configuration {
-    /// Whether the vehicle has a positive mass and central inertia with these parameters, its joints at zero.
-    pub(crate) fn is_possible(&self, body: &[f64; PARAMETERS]) -> bool {
-        let posture = Posture::new(self, body, &[0.0; INPUTS]);
+    /// Whether the vehicle has a positive mass and central inertia with these numbers, its joints at zero.
+    pub(crate) fn is_possible(&self, numbers: &Numbers) -> bool {
+        let posture = Posture::new(self, numbers, &[0.0; INPUTS]);
         let positive = central_moments(&posture.whole).is_some_and(|smallest| smallest > 0.0);
         positive && (self.mode_count == 0 || self.holds_modes(&posture).is_some())
     }

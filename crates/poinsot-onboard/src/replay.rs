@@ -1,10 +1,11 @@
 //! The first window, and what happens with each sample in order.
 
-use crate::configuration::{PARAMETERS, PASSES};
+use crate::configuration::PASSES;
 use crate::excitation::Excitation;
 use crate::filter::{Filter, GATE, MOVED};
 use crate::health::{Checkpoint, Verdict};
 use crate::motion::{Bend, Moving};
+use crate::numbers::Numbers;
 use crate::sample::Sample;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField;
@@ -32,7 +33,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             self.conclude(verdict);
             return;
         }
-        let moving = Moving::new(&self.configuration, &self.body);
+        let moving = Moving::new(&self.configuration, &self.numbers);
         let taken = self.window.gather(sample, &moving);
         if !taken || !self.window.is_due(&self.configuration) {
             return;
@@ -44,21 +45,21 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let near = self.window.replayed && self.is_near();
         if filling && lost {
             // What does not come right with few samples may with more.
-            self.body = self.configuration.nominal;
+            self.numbers = self.configuration.nominal;
             self.set_prior();
         }
         if filling && !near {
             return;
         }
         let full = self.window.count == WINDOW;
-        let moving = Moving::new(&self.configuration, &self.body);
+        let moving = Moving::new(&self.configuration, &self.numbers);
         self.window.done = near || (full && !self.window.thin(&moving));
         self.conclude(verdict);
     }
 
     /// Whether the parameters are so well known that what follows may be linearised at them.
     fn is_near(&self) -> bool {
-        let sigma = self.of_parameters().sigma(self.layout.parameters);
+        let sigma = self.of_parameters().sigma(self.layout.unknown);
         let mut pairs = self.layout.unknown().iter().zip(&sigma);
         // What walks is not known better than it walks in the window.
         let walked = match self.configuration.forget_s {
@@ -84,7 +85,6 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     /// Passes over the window.
     fn replay(&mut self) -> Verdict {
         self.shown = Excitation::new();
-        let count = self.layout.parameters;
         let mut level = 0;
         for _ in 0..PASSES {
             let loose = LOOSE.get(level).copied();
@@ -98,11 +98,11 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             self.gate = GATE * wide;
             let verdict = self.pass();
             self.looseness = 0.0;
-            let Some(change) = self.of_parameters().solution(count) else {
+            let Some(change) = self.solution() else {
                 break;
             };
-            let sigma = self.of_parameters().sigma(count);
-            let moved = change.iter().zip(&sigma).take(count);
+            let sigma = self.sigma_of_motion();
+            let moved = change.iter().zip(&sigma).take(self.layout.numbers);
             let farthest = moved.fold(0.0, |most: f64, (x, s)| most.max((x / s).abs()));
             if level > LOOSE.len() && farthest <= MOVED {
                 self.shown.grows = true;
@@ -113,7 +113,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
                     .settle(&self.configuration, &here.placed(&self.scratch));
             }
             level += usize::from(farthest <= FAR || level >= LOOSE.len());
-            self.body = self.nearest(&change);
+            self.numbers = self.nearest(&change);
         }
         Verdict::Lost
     }
@@ -136,28 +136,30 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     }
 
     /// The parameters after a change, which is halved until the vehicle is possible and not far beyond the prior.
-    fn nearest(&self, change: &[f64; PARAMETERS]) -> [f64; PARAMETERS] {
+    fn nearest(&self, change: &Numbers) -> Numbers {
         let mut share = 1.0;
         for _ in 0..HALVINGS {
-            let mut body = self.body;
-            for (&k, change) in self.layout.unknown().iter().zip(change) {
-                body[k] += change * share;
+            let mut numbers = self.numbers;
+            for (&k, change) in self.layout.numbers().iter().zip(change) {
+                numbers[k] += change * share;
             }
             let nominal = &self.configuration.nominal;
-            let mut beyond = body.iter().zip(nominal).zip(&self.prior_sigma);
+            let mut beyond = numbers.iter().zip(nominal).zip(&self.prior_sigma);
             let far = beyond.any(|((x, nominal), sigma)| (x - nominal).abs() > BEYOND * sigma);
-            if self.configuration.is_possible(&body) && !far {
-                return body;
+            if self.configuration.is_possible(&numbers) && !far {
+                return numbers;
             }
             share *= 0.5;
         }
-        self.body
+        self.numbers
     }
 
     /// What the tests of innovations lead to.
+    // Its checkpoints are not on the stack of every sample.
+    #[inline(never)]
     fn conclude(&mut self, verdict: Verdict) {
         let here = Checkpoint {
-            body: self.body,
+            numbers: self.numbers,
             info: self.of_parameters(),
             known_s: self.known_s,
             is_prior: false,
@@ -177,7 +179,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
                 self.starts = 0;
                 let back = self.checkpoints.back(verdict == Verdict::LongAlarm);
                 self.tests.alarm();
-                self.body = back.body;
+                self.numbers = back.numbers;
                 self.set_parameters(&back.info);
                 self.known_s = back.known_s;
                 self.window.done = true;

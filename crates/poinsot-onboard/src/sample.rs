@@ -1,6 +1,7 @@
 //! What the filter is given.
 
-use crate::configuration::{AXES, INPUTS, JOINTS, WHEELS, of_joint, of_rate};
+use crate::configuration::{INPUTS, JOINTS, of_joint, of_rate};
+use crate::numbers::{AXES, WHEELS};
 use nalgebra::{Quaternion, UnitQuaternion};
 
 /// What is measured at one time, and what acts until the next.

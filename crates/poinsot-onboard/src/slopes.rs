@@ -1,16 +1,17 @@
-//! What the parameters of the unknown body do.
+//! What the uncertain numbers do.
 
-use crate::configuration::AXES;
+use crate::configuration::Configuration;
 use crate::excitation::Excitation;
+use crate::numbers::{AXES, PARAMETERS};
 use crate::placed::Placed;
 use crate::posture::Held;
 use nalgebra::SMatrix;
 use poinsot_dynamics::propagation::{FlexibleChange, PerMode};
 use poinsot_spatial::{Vector3, Vector6, angular, linear, stacked, tensor_regressor};
 
-/// What one parameter does at the present motion.
+/// What one number does at the present motion.
 #[derive(Debug, Clone, Copy)]
-pub struct ParameterSlope {
+pub struct NumberSlope {
     /// To the motion, pose and momenta held.
     pub change: FlexibleChange,
     /// To the momentum about the mass centre in B, pose and rates held, and to the momenta of the modes.
@@ -23,6 +24,7 @@ pub struct ParameterSlope {
 
 /// At one motion.
 pub struct Slopes<'a> {
+    configuration: &'a Configuration,
     placed: Placed<'a>,
     /// Its origin's velocity, and its rate along what was shown.
     v: Vector3,
@@ -33,7 +35,7 @@ pub struct Slopes<'a> {
 }
 
 impl<'a> Slopes<'a> {
-    pub fn new(placed: Placed<'a>, shown: &Excitation) -> Self {
+    pub fn new(configuration: &'a Configuration, placed: Placed<'a>, shown: &Excitation) -> Self {
         let (posture, motion) = (placed.posture, placed.motion);
         let centre = &motion.centre;
         let (R, p) = (&posture.unknown.R, &posture.unknown.p);
@@ -42,6 +44,7 @@ impl<'a> Slopes<'a> {
         let by_joints = linear(&posture.of_unknown);
         let w = shown_w + angular(&posture.of_unknown);
         Self {
+            configuration,
             placed,
             v: motion.twist.v + not_shown.cross(&centre.p_BoScm_B) + by_joints + w.cross(p),
             w,
@@ -51,8 +54,29 @@ impl<'a> Slopes<'a> {
         }
     }
 
-    /// Of one parameter.
-    pub fn of(&self, k: usize) -> ParameterSlope {
+    /// Of one number.
+    pub fn of(&self, k: usize) -> NumberSlope {
+        match k.checked_sub(PARAMETERS) {
+            None => self.of_parameter(k),
+            Some(place) => {
+                let h = self
+                    .configuration
+                    .wheel_slope(place, &self.placed.posture.speeds);
+                let momentum = stacked(&Vector3::zeros(), &h);
+                NumberSlope {
+                    change: self
+                        .placed
+                        .answer(&Held::of_motion(momentum, Vector3::zeros())),
+                    momentum,
+                    of_modes: PerMode::default(),
+                    centre: Vector3::zeros(),
+                    mass: 0.0,
+                }
+            }
+        }
+    }
+
+    fn of_parameter(&self, k: usize) -> NumberSlope {
         let (placed, v) = (&self.placed, &self.v);
         let (posture, motion) = (placed.posture, placed.motion);
         let (c, l_B) = (motion.centre.p_BoScm_B, motion.centre.l_B);
@@ -81,7 +105,7 @@ impl<'a> Slopes<'a> {
         };
         let relative = l - l_B * (mass / motion.centre.mass);
         let of_modes = placed.modes.map(|(f, _)| f.momenta_change(&relative));
-        ParameterSlope {
+        NumberSlope {
             change: placed.answer(&held),
             momentum: stacked(&l, &about_centre),
             of_modes: of_modes.unwrap_or_default(),

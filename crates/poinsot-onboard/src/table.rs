@@ -1,12 +1,12 @@
 //! A configuration as bytes: written on the ground, read without parsing text.
 //!
-//! All numbers are little-endian. Version 3 has [`TABLE`] bytes:
+//! All numbers are little-endian. Version 4 has [`TABLE`] bytes:
 //!
 //! | offset | type | content |
 //! |---|---|---|
 //! | 0 | 8 bytes | `PNONBRD` and a zero |
-//! | 8 | u32 | version, 3 |
-//! | 12 | u32 | number of bytes, 3532 |
+//! | 8 | u32 | version, 4 |
+//! | 12 | u32 | number of bytes, 8580 |
 //! | 16 | u32 | number of wheels |
 //! | 20 | u32 | unknown parameters: bit k for the k-th of `poinsot_spatial::PARAMETER_NAMES` |
 //! | 24 | u32 | samples that are held back |
@@ -15,28 +15,34 @@
 //! | 36 | u32 | joints that slide: bit k for the k-th |
 //! | 40 | 7 x u32 | links that carry the joints |
 //! | 68 | u32 | number of modes |
-//! | 72 | 10 x f64 | known parameters of the base |
-//! | 152 | 10 x f64 | nominal parameters of the unknown body |
-//! | 232 | 10 x 10 x f64 | square root of the prior information, row by row |
-//! | 1032 | 8 x 5 x f64 | wheels: axis x, y, z, spin inertia, noise |
-//! | 1352 | 6 x f64 | noise: gyro, attitude, position, bias, bias walk, torque walk |
-//! | 1400 | 2 x f64 | longest gap, time to stale |
-//! | 1416 | 7 x f64 | unknown body in its link: rotation x, y, z, w, position |
-//! | 1472 | 7 x 22 x f64 | joints: rotation x, y, z, w, position, axis, known parameters, noise of position and rate |
-//! | 2704 | 6 x 17 x f64 | modes: frequency, damping ratio, translation, rotation, slope of inertia column by column |
-//! | 3520 | f64 | time to forget |
-//! | 3528 | u32 | CRC-32 of all bytes before it (ISO 3309, as in zlib) |
+//! | 72 | u32 | numbers known with a sigma: bits 3k to 3k + 2 for the k-th wheel, 24 to 26 for the attitude sensor |
+//! | 76 | u32 | zero |
+//! | 80 | 10 x f64 | known parameters of the base |
+//! | 160 | 37 x f64 | nominal parameters of the unknown body, nominal errors of the known numbers |
+//! | 456 | 703 x f64 | square root of the prior information, the upper triangle column by column |
+//! | 6080 | 8 x 5 x f64 | wheels: axis x, y, z, spin inertia, noise |
+//! | 6400 | 6 x f64 | noise: gyro, attitude, position, bias, bias walk, torque walk |
+//! | 6448 | 2 x f64 | longest gap, time to stale |
+//! | 6464 | 7 x f64 | unknown body in its link: rotation x, y, z, w, position |
+//! | 6520 | 7 x 22 x f64 | joints: rotation x, y, z, w, position, axis, known parameters, noise of position and rate |
+//! | 7752 | 6 x 17 x f64 | modes: frequency, damping ratio, translation, rotation, slope of inertia column by column |
+//! | 8568 | f64 | time to forget |
+//! | 8576 | u32 | CRC-32 of all bytes before it (ISO 3309, as in zlib) |
 
 use crate::check::Invalid;
 use crate::configuration::{Configuration, JOINTS};
+use crate::numbers::PARAMETERS;
 
 /// Bytes of a table.
-pub const TABLE: usize = 3532;
+pub const TABLE: usize = 8580;
 const MAGIC: [u8; 8] = *b"PNONBRD\0";
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 const CHECKED: usize = TABLE - 4;
 /// Words before the numbers, and the place of the first parent among them.
-const WORDS: usize = FIRST_PARENT + JOINTS + 1;
+const WORDS: usize = MODES + 3;
+/// Places of the number of modes and of the known numbers among them.
+const MODES: usize = FIRST_PARENT + JOINTS;
+const KNOWN: usize = MODES + 1;
 const FIRST_PARENT: usize = 8;
 
 /// Why a table is refused.
@@ -63,7 +69,7 @@ impl Configuration {
     /// let noise = Noise { gyro: 1e-4, attitude: 1e-4, position: 0.0, bias: 1e-4, bias_walk: 0.0, torque_walk: 0.0 };
     /// let cube = [6.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 1.0];
     /// let mut table = Configuration::new(cube, noise).to_table();
-    /// assert_eq!(Configuration::from_table(&table)?.nominal, cube);
+    /// assert_eq!(Configuration::from_table(&table)?.nominal[..10], cube);
     /// table[40] ^= 1;
     /// assert_eq!(Configuration::from_table(&table), Err(TableError::Checksum));
     /// # Ok::<(), TableError>(())
@@ -95,7 +101,7 @@ impl Configuration {
             VERSION,
             count(TABLE),
             count(self.wheel_count),
-            mask(&mut self.unknown.into_iter()),
+            mask(&mut self.uncertain.into_iter().take(PARAMETERS)),
             count(self.reorder),
             count(self.joint_count),
             count(self.unknown_link),
@@ -104,7 +110,8 @@ impl Configuration {
         for (place, joint) in out[FIRST_PARENT..].iter_mut().zip(&self.joints) {
             *place = count(joint.parent);
         }
-        out[WORDS - 1] = count(self.mode_count);
+        out[MODES] = count(self.mode_count);
+        out[KNOWN] = mask(&mut self.uncertain.into_iter().skip(PARAMETERS));
         out
     }
 
@@ -128,13 +135,17 @@ impl Configuration {
         if sum != crc32(checked).to_le_bytes() {
             return Err(TableError::Checksum);
         }
+        let known = u32::from_le_bytes(words[KNOWN]);
         let mut out = Self {
             wheel_count: wheels as usize,
-            unknown: core::array::from_fn(|k| unknown >> k & 1 == 1),
+            uncertain: core::array::from_fn(|k| match k.checked_sub(PARAMETERS) {
+                None => unknown >> k & 1 == 1,
+                Some(k) => known >> k & 1 == 1,
+            }),
             reorder: reorder as usize,
             joint_count: joints as usize,
             unknown_link: link as usize,
-            mode_count: u32::from_le_bytes(words[WORDS - 1]) as usize,
+            mode_count: u32::from_le_bytes(words[MODES]) as usize,
             ..Self::NONE
         };
         for (k, joint) in out.joints.iter_mut().enumerate() {

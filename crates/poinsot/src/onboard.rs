@@ -1,5 +1,6 @@
 //! The filter of `poinsot-onboard` for a model: its configuration, and the samples of a table.
 
+mod prior;
 mod rigid;
 
 use crate::channel_names;
@@ -8,16 +9,13 @@ use crate::mass_numbers::{names, with_answer};
 use nalgebra::{SMatrix, SVector};
 use poinsot_dynamics::{Kinematics, Nozzle, SAME_TIME, SensorKind, Tree, thrust_wrench};
 use poinsot_formats::EstimateFile;
-use poinsot_model::{Body, EstimateSet, Joint, Model, Nuisance, Sensor, SlowError};
-use poinsot_onboard::{Answer, Configuration, JOINTS, Noise, Sample, WHEELS};
+use poinsot_model::{Joint, Model, Nuisance, Sensor, SlowError};
+use poinsot_onboard::{Answer, COLUMNS, Configuration, JOINTS, Noise, Sample, WHEELS};
 use poinsot_spatial::{InertialParameters, MassProperties};
 use poinsot_telemetry::{Channel, Table, resample};
+use prior::Prior;
 use rigid::{Rigid, quaternion};
 
-/// Prior sigma of a body without a declared one, relative to its natural units.
-const PRIOR: f64 = 0.2;
-/// Sigma in natural units of what is known beside something unknown: mass and mass centre have one parameter in common.
-const KNOWN: f64 = 1.0e-6;
 /// Prior sigma of a gyro bias that is unknown without one, rad/s: a degree per second.
 const BIAS: f64 = 0.017;
 /// Steps of the differences of the ten parameters, in natural units: they are polynomials of third order.
@@ -85,9 +83,7 @@ impl OnBoard {
         let tree = Tree::new(model);
         let rigid = Rigid::new(model, &tree);
         let nominal = with_answer(body, answer);
-        let mut configuration = Configuration::new(nominal.parameters().to_array(), noise(model)?);
-        let covariance = covariance(body, &nominal, answer, &mut assumed);
-        set_prior(&mut configuration, body.estimate, &nominal, &covariance)?;
+        let configuration = Configuration::new(nominal.parameters().to_array(), noise(model)?);
         let mut known = model.nominal_parameters();
         known[at] = InertialParameters::ZERO;
         let mut configuration = rigid.add_links(configuration, model, &known);
@@ -97,6 +93,14 @@ impl OnBoard {
         configuration.unknown_position = p.into();
         let configuration = rigid.add_wheels(configuration, model)?;
         let mut configuration = rigid.add_modes(configuration, model)?;
+        let prior = Prior {
+            model,
+            rigid: &rigid,
+            body,
+            nominal: &nominal,
+            answer,
+        };
+        prior.set(&mut configuration, &mut assumed)?;
         configuration.forget_s = body.prior.and_then(|p| p.forget_s).unwrap_or(0.0);
         assumed.extend(unused(model));
         let open = model
@@ -345,83 +349,18 @@ fn slopes(of: &MassProperties) -> TenByTen {
     slopes
 }
 
-/// Covariance of mass, mass centre and central inertia: the declared prior, replaced by that of an answer where it has one.
-fn covariance(
-    body: &Body,
-    nominal: &MassProperties,
-    answer: Option<&EstimateFile>,
-    assumed: &mut Vec<String>,
-) -> TenByTen {
-    let units = nominal.natural_units();
-    let (declared, unknown) = (body.prior, body.estimate);
-    let groups = [(0..1, "mass"), (1..4, "mass centre"), (4..10, "inertia")];
-    let mut out = TenByTen::zeros();
-    for (range, name) in groups {
-        let unknown = unknown.has(range.start);
-        let declared = declared.and_then(|p| p.sigma(range.start));
-        if unknown && declared.is_none() && answer.is_none() {
-            let of = &body.name;
-            assumed.push(format!(
-                "assumed: sigma of the nominal {name} of '{of}' is {PRIOR} in natural units; declare [body.prior]"
-            ));
-        }
-        for k in range {
-            let usual = if unknown { PRIOR } else { KNOWN } * units[k];
-            let sigma = declared.filter(|_| unknown).unwrap_or(usual);
-            out[(k, k)] = sigma * sigma;
-        }
-    }
-    let Some(found) = answer.map(|a| &a.covariance) else {
-        return out;
-    };
-    let addresses = names(&body.name);
-    for (i, one) in addresses.iter().enumerate() {
-        for (j, other) in addresses.iter().enumerate() {
-            out[(i, j)] = found.between(one, other).unwrap_or(out[(i, j)]);
-        }
-    }
-    out
-}
-
-/// Sets the unknown parameters and the square root of their information: `R` with `R^T R` the inverse of the covariance.
-fn set_prior(
-    configuration: &mut Configuration,
-    unknown: EstimateSet,
-    nominal: &MassProperties,
-    covariance: &TenByTen,
-) -> Result<(), Error> {
-    let slopes = slopes(nominal);
-    // All ten where the mass centre moves: the inertia about the origin moves with it.
-    let first = if unknown.mass || unknown.com { 0 } else { 4 };
-    configuration.unknown = std::array::from_fn(|k| k >= first);
-    // R (theta - nominal) is white with R = L^-1 S^-1; the known ones come first and drop out of the triangle.
-    let factor = covariance.cholesky().and_then(|c| c.l().try_inverse());
-    let Some((factor, back)) = factor.zip(slopes.try_inverse()) else {
-        return Err(unsupported(
-            "the covariance of the prior is not positive definite",
-            "identify again, or use the model alone",
-        ));
-    };
-    let R = (factor * back).qr().r();
-    configuration.prior = std::array::from_fn(|i| {
-        std::array::from_fn(|j| {
-            let (row, column) = (first + i, first + j);
-            match row <= column && column < 10 {
-                true => R[(row, column)] * R[(row, row)].signum(),
-                false => 0.0,
-            }
-        })
-    });
-    Ok(())
-}
-
 fn check(configuration: &Configuration) -> Result<(), Error> {
     use poinsot_onboard::Invalid;
-    let (problem, advice) = match configuration.check(usize::MAX) {
+    let (problem, advice) = match configuration.check(COLUMNS) {
         Ok(()) => return Ok(()),
         Err(Invalid::Count) => (
             format!("more than {WHEELS} wheels, or more than {JOINTS} joints that move"),
             "leave some out, or declare where joints are locked",
+        ),
+        Err(Invalid::Capacity(_)) => (
+            "so many wheels, joints and modes have more known numbers with a sigma than the filter has room for"
+                .to_owned(),
+            "declare exact = true for some of them",
         ),
         Err(Invalid::NeedsPosition) => (
             "mass or mass centre is unknown, but no position is measured and no joint moves"

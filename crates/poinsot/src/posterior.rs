@@ -3,7 +3,6 @@
 
 use crate::case::Want;
 use crate::error::Error;
-use crate::export::reliable;
 use crate::mass_numbers::{names, with_answer};
 use nalgebra::{DMatrix, SymmetricEigen};
 use poinsot_files::Place;
@@ -76,6 +75,18 @@ pub fn known_sigma(model: &Model, want: &Want) -> Option<f64> {
     Some(terms.iter().map(row).sum::<f64>().max(0.0).sqrt())
 }
 
+/// Refuses an answer that is not reliable, unless it is accepted.
+pub(crate) fn reliable(estimate: &EstimateFile, path: &Path, accept: bool) -> Result<(), Error> {
+    match (estimate.unreliable().first(), accept) {
+        (Some(why), false) => Err(Error::report(
+            path,
+            format!("its numbers are not reliable: {why}"),
+            "correct the cause, or accept them with --accept-unreliable",
+        )),
+        _ => Ok(()),
+    }
+}
+
 /// Checks that bodies and unknown numbers of an answer are those of the model.
 fn same_unknowns(model: &Model, answer: &EstimateFile, path: &Path) -> Result<(), Error> {
     let refuse = |problem: String| {
@@ -106,7 +117,7 @@ fn same_unknowns(model: &Model, answer: &EstimateFile, path: &Path) -> Result<()
 }
 
 /// The covariance of an answer, split into the part of the data and that of known numbers.
-fn posterior(model: &Model, answer: &EstimateFile) -> Posterior {
+pub(crate) fn posterior(model: &Model, answer: &EstimateFile) -> Posterior {
     let of = &answer.covariance;
     let has_variance = |n: &&String| of.between(n, n).is_some_and(|v| v.is_finite() && v > 0.0);
     let numbers: Vec<String> = of.names.iter().filter(has_variance).cloned().collect();

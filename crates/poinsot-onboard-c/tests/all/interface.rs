@@ -138,7 +138,7 @@ fn unit_wrong_tables_give_codes() {
         &changed(|c| c.wheels[0].axis_B = [2.0, 0.0, 0.0]),
         Code::Axis,
     );
-    refused(&changed(|c| c.prior[3][3] = 0.0), Code::Prior);
+    refused(&changed(|c| c.prior[(3, 3)] = 0.0), Code::Prior);
     refused(&changed(|c| c.nominal[0] = -1.0), Code::Unphysical);
     refused(&changed(|c| c.noise.position = 0.0), Code::NeedsPosition);
 }

@@ -29,11 +29,11 @@ fn prop_a_changed_byte_is_refused() {
 proptest::proptest! {
     /// Any numbers behind a valid checksum make a filter that does not panic, or none.
     #[test]
-    fn prop_any_numbers_make_a_filter_or_none(at in 0_usize..168, x: f64, other in 0_usize..168, y: f64) {
-        let mut configuration = setups::bus_with_wheels().configuration;
+    fn prop_any_numbers_make_a_filter_or_none(at in 0_usize..794, x: f64, other in 0_usize..794, y: f64) {
+        let mut configuration = setups::bus_with_wheels().drawn().configuration;
         {
             let c = &mut configuration;
-            let numbers = c.known.iter_mut().chain(&mut c.nominal).chain(c.prior.as_flattened_mut());
+            let numbers = c.known.iter_mut().chain(&mut c.nominal).chain(&mut c.prior.0);
             let wheels = c.wheels.iter_mut();
             let wheels = wheels.flat_map(|w| w.axis_B.iter_mut().chain([&mut w.spin_inertia, &mut w.noise]));
             let noise = [&mut c.noise.gyro, &mut c.noise.attitude, &mut c.noise.position, &mut c.noise.bias];

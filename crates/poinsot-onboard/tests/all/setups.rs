@@ -3,14 +3,18 @@
 use crate::arm::{Arm, Link, points};
 use crate::sprung::Sprung;
 use crate::truth::{Motion, Noise, Truth};
-use nalgebra::{Matrix3, UnitQuaternion, Vector3};
-use poinsot_onboard::{Configuration, Filter, JOINTS, Joint, WHEELS, Wheel};
+use nalgebra::{DMatrix, Matrix3, UnitQuaternion, Vector3};
+use poinsot_onboard::{Configuration, Filter, JOINTS, Joint, MOUNTING, WHEELS, Wheel, of_wheel};
 
 /// The filter of the trials: 30 s are replayed.
 pub type OnBoard = Filter<72, 150>;
 
 /// Prior sigma relative to the parameter's natural unit.
 pub const PRIOR: f64 = 0.2;
+
+/// Tilt of a drawn axis, rad, and correlation of drawn spin inertias.
+const TILT: f64 = 3.0e-3;
+const LIKE: f64 = 0.7;
 
 /// A truth with what a filter is told of it.
 pub struct Setup {
@@ -75,11 +79,13 @@ fn setup(
             0.0
         }
     });
-    configuration.nominal = truth.parameters();
+    configuration.nominal[..10].copy_from_slice(&truth.parameters());
     configuration.longest_gap_s = 1.0;
-    configuration.unknown = sigma.map(|sigma| sigma > 0.0);
+    for (uncertain, sigma) in configuration.uncertain.iter_mut().zip(sigma) {
+        *uncertain = sigma > 0.0;
+    }
     for (at, sigma) in sigma.iter().skip(unknown).enumerate() {
-        configuration.prior[at][at] = 1.0 / sigma;
+        configuration.prior[(at, at)] = 1.0 / sigma;
     }
     Setup {
         name,
@@ -342,6 +348,48 @@ impl Setup {
         self.truth.dt /= by as f64;
         (self.truth.samples, self.truth.hold) = (self.truth.samples * by, by);
         self
+    }
+
+    /// Wheels and mounting as drawings tell them: spin inertias within 2 %, with a correlation of 0.7; axes and mounting within 3 mrad.
+    pub fn drawn(mut self) -> Self {
+        let wheels = self.configuration.wheel_count;
+        let n = 3 * wheels + 3;
+        let covariance = DMatrix::from_fn(n, n, |i, j| {
+            let is_spin = |k: usize| k < 3 * wheels && k.is_multiple_of(3);
+            match (is_spin(i), is_spin(j)) {
+                (true, true) => 0.02 * 0.02 * if i == j { 1.0 } else { LIKE },
+                _ if i == j => TILT * TILT,
+                _ => 0.0,
+            }
+        });
+        let information = covariance.try_inverse().unwrap().cholesky().unwrap();
+        let R = information.l().transpose();
+        let unknown = self.sigma.iter().filter(|s| **s > 0.0).count();
+        for i in 0..n {
+            for j in i..n {
+                self.configuration.prior[(unknown + i, unknown + j)] = R[(i, j)];
+            }
+        }
+        self.configuration.uncertain[of_wheel(0)..of_wheel(wheels)].fill(true);
+        self.configuration.uncertain[MOUNTING..].fill(true);
+        self
+    }
+
+    /// The wheels that fly, and the turn of the attitude sensor, drawn around the numbers that are known.
+    pub fn flown(&self, noise: &mut Noise) -> (Configuration, UnitQuaternion<f64>) {
+        let mut flown = self.configuration;
+        if !flown.uncertain[MOUNTING] {
+            return (flown, UnitQuaternion::identity());
+        }
+        let shared = LIKE.sqrt() * noise.one();
+        for wheel in &mut flown.wheels[..flown.wheel_count] {
+            let error = shared + (1.0 - LIKE).sqrt() * noise.one();
+            wheel.spin_inertia *= 1.0 + 0.02 * error;
+            let tilt = UnitQuaternion::from_scaled_axis(noise.vector(TILT));
+            wheel.axis_B = (tilt * Vector3::from(wheel.axis_B)).into();
+        }
+        let turn = noise.vector(TILT);
+        (flown, UnitQuaternion::from_scaled_axis(turn))
     }
 
     /// A filter whose nominal numbers are drawn from the prior around the truth; impossible vehicles are drawn anew.

@@ -60,12 +60,9 @@ fn stat_a_long_record_keeps_a_covariance() {
     assert!(worst < 5.0 && answer.health == Health::Determined);
 }
 
-/// Without wheels and torque only the ratios of the inertia show.
-#[test]
-fn stat_a_common_factor_of_the_inertia_keeps_its_prior() {
-    let mut setup = setups::tumbling();
-    setup.configuration.wheel_count = 0;
-    let answer = long_run(&mut setup);
+/// Sigma of the common factor of an inertia after a long record, and that of its prior.
+fn common_factor(setup: &mut Setup) -> [f64; 2] {
+    let answer = long_run(setup);
     let (m, c) = (setup.truth.mass, setup.truth.c);
     let shift = (nalgebra::Matrix3::identity() * c.norm_squared() - c * c.transpose()) * m;
     let shift = [
@@ -79,9 +76,28 @@ fn stat_a_common_factor_of_the_inertia_keeps_its_prior() {
         .zip(&setup.sigma[4..])
         .map(|(n, s)| (n / s).powi(2))
         .sum();
-    let factor = answer.numbers[9].sigma / central[5];
-    let kept = factor * prior.sqrt();
+    [answer.numbers[9].sigma / central[5], 1.0 / prior.sqrt()]
+}
+
+/// Without wheels and torque only the ratios of the inertia show.
+#[test]
+fn stat_a_common_factor_of_the_inertia_keeps_its_prior() {
+    let mut setup = setups::tumbling();
+    setup.configuration.wheel_count = 0;
+    let [factor, prior] = common_factor(&mut setup);
+    let kept = factor / prior;
     println!("common factor: sigma {factor:.4}, {kept:.5} of the prior");
+    assert!((0.99..1.01).contains(&kept));
+}
+
+/// With a wheel whose spin inertia is known within 2 % only the ratios to it show.
+#[test]
+fn stat_a_common_factor_of_inertia_and_wheel_keeps_its_prior() {
+    let mut setup = setups::tumbling().drawn();
+    let [factor, of_inertia] = common_factor(&mut setup);
+    let prior = 1.0 / (of_inertia.powi(-2) + 0.02_f64.powi(-2)).sqrt();
+    let kept = factor / prior;
+    println!("common factor with a wheel: sigma {factor:.5}, {kept:.5} of the prior");
     assert!((0.99..1.01).contains(&kept));
 }
 
@@ -91,7 +107,7 @@ fn stat_inertia_that_does_not_show_keeps_its_prior() {
     let mut setup = setups::bus_with_wheels();
     setup.truth.I = nalgebra::Matrix3::from_diagonal(&nalgebra::Vector3::new(10.0, 12.0, 8.0));
     setup.truth.c = nalgebra::Vector3::zeros();
-    setup.configuration.nominal = setup.truth.parameters();
+    setup.configuration.nominal[..10].copy_from_slice(&setup.truth.parameters());
     setup.truth.start.w = nalgebra::Vector3::new(0.0, 0.0, 0.004);
     setup.configuration.wheels[0].axis_B = [0.0, 0.0, 1.0];
     setup.configuration.wheel_count = 1;

@@ -9,6 +9,7 @@ mod table;
 
 use crate::error::{Error, unknown};
 use crate::onboard::OnBoard;
+use crate::posterior::reliable;
 use minijinja::{Environment, Value};
 use poinsot_formats::{Address, BodyFile, EstimateFile, all_known, read_estimate};
 use poinsot_model::{
@@ -179,18 +180,6 @@ pub fn export_table(
     let on_board = OnBoard::new(&read_model(model)?, answer.as_ref())?;
     let bytes = on_board.configuration.to_table().to_vec();
     Ok((bytes, on_board.assumed))
-}
-
-/// Refuses an answer that is not reliable, unless it is accepted.
-pub(crate) fn reliable(estimate: &EstimateFile, path: &Path, accept: bool) -> Result<(), Error> {
-    match (estimate.unreliable().first(), accept) {
-        (Some(why), false) => Err(Error::report(
-            path,
-            format!("its numbers are not reliable: {why}"),
-            "correct the cause, or accept them with --accept-unreliable",
-        )),
-        _ => Ok(()),
-    }
 }
 
 /// Exports an estimate in memory; errors name it `path`.
