@@ -156,8 +156,7 @@ pub struct Configuration {
     pub known: [f64; PARAMETERS],
     /// Nominal numbers: parameters of the unknown body, then errors of what is known, at [`crate::of_wheel`] and [`crate::MOUNTING`].
     pub nominal: [f64; NUMBERS],
-    /// Which numbers are not exact, at their places: of the parameters these are the unknown ones, of [`crate::of_wheel`] and [`crate::MOUNTING`] those
-    /// that are known with a sigma.
+    /// Which numbers are not exact, at their places: of the parameters the unknown ones, of what is known that with a sigma.
     pub uncertain: [bool; NUMBERS],
     /// Square root of the prior information over these: the upper triangle of its first rows and columns. The prior is
     /// `R (x - nominal) = white noise`.

@@ -246,7 +246,8 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         out
     }
 
-    // What is copied of the triangle is not on the stack of what follows.
+    /// The most likely change of the numbers.
+    // What is copied of the triangle is not on the stack of what follows, here and in the next functions.
     #[inline(never)]
     pub(crate) fn solution(&self) -> Option<Numbers> {
         self.of_parameters().solution(self.layout.numbers)
@@ -264,11 +265,13 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         out
     }
 
+    /// Remembers what is known where a motion begins.
     #[inline(never)]
     fn remember(&mut self) {
         self.before_start = self.of_parameters();
     }
 
+    /// Knows what it knew there, without a motion.
     #[inline(never)]
     fn begin_again(&mut self) {
         let before = self.before_start;
