@@ -20,7 +20,7 @@ extern "C" {
 /* Version of this interface; poinsot_onboard_version() is that of the library. */
 #define POINSOT_ONBOARD_VERSION 4
 /* Bytes of a table, from `poinsot export MODEL --to onboard`. */
-#define POINSOT_ONBOARD_TABLE 8580
+#define POINSOT_ONBOARD_TABLE 8892
 /* Most wheels. */
 #define POINSOT_ONBOARD_WHEELS 8
 /* Most joints. */
@@ -28,7 +28,7 @@ extern "C" {
 /* Samples of the first window: from a tenth of it on, pushes at which it has grown by a third replay it, at most 24 times. */
 #define POINSOT_ONBOARD_WINDOW 150
 /* Bytes of a filter; poinsot_onboard_size() tells how many of them the target needs. */
-#define POINSOT_ONBOARD_SIZE 352000
+#define POINSOT_ONBOARD_SIZE 360000
 
 /* Codes of the functions, an int32_t. */
 enum {

@@ -1,6 +1,6 @@
 //! What a filter is told before it starts.
 
-use crate::numbers::{AXES, NUMBERS, Numbers, PARAMETERS, WHEELS};
+use crate::numbers::{AXES, CURVE, NUMBERS, Numbers, PARAMETERS, WHEELS};
 use crate::triangle::Triangle;
 use nalgebra::ArrayStorage;
 use poinsot_dynamics::propagation::{MOST_MODES, Mode};
@@ -154,7 +154,8 @@ pub struct Noise {
 pub struct Configuration {
     /// The ten parameters of all known bodies that are fixed to B, about `Bo`, in the order of `poinsot_spatial::PARAMETER_NAMES`.
     pub known: [f64; PARAMETERS],
-    /// Nominal numbers: parameters of the unknown body, then errors of what is known, at [`crate::of_wheel`] and [`crate::MOUNTING`].
+    /// Nominal numbers: parameters of the unknown body, then errors of what is known, at [`crate::of_wheel`] and [`crate::MOUNTING`], and
+    /// [`CURVE`].
     pub nominal: [f64; NUMBERS],
     /// Which numbers are not exact, at their places: of the parameters the unknown ones, of what is known that with a sigma.
     pub uncertain: [bool; NUMBERS],
@@ -277,6 +278,25 @@ impl Configuration {
         self
     }
 
+    /// Lets the data tell what the speeds of the wheels do between samples, see [`CURVE`]. Comes after all other uncertain numbers.
+    ///
+    /// ```
+    /// use poinsot_onboard::{CURVE, Configuration, Noise};
+    ///
+    /// let noise = Noise { gyro: 1e-4, attitude: 1e-4, position: 0.0, bias: 1e-4, bias_walk: 0.0, torque_walk: 0.0 };
+    /// let cube = [6.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 1.0];
+    /// let configuration = Configuration::new(cube, noise).with_curve();
+    /// assert_eq!((configuration.nominal[CURVE], configuration.prior[(0, 0)]), (0.5, 2.0));
+    /// ```
+    #[must_use]
+    pub fn with_curve(mut self) -> Self {
+        let last = self.uncertain().count();
+        self.uncertain[CURVE] = true;
+        self.nominal[CURVE] = 0.5;
+        self.prior[(last, last)] = 2.0;
+        self
+    }
+
     /// Every number, in the order of the table.
     pub(crate) fn numbers(&mut self) -> impl Iterator<Item = &mut f64> {
         let body = self.known.iter_mut().chain(&mut self.nominal);
@@ -300,17 +320,16 @@ impl Configuration {
         self.wheels.get(..self.wheel_count).unwrap_or_default()
     }
 
-    /// Angular momentum of the wheels relative to the base at these speeds, in B, N m s.
-    pub(crate) fn wheel_momentum(&self, numbers: &Numbers, speeds: &[f64]) -> Vector3 {
-        let wheels = self.wheels().iter().zip(speeds);
+    /// Angular momentum of each wheel relative to the base per unit of its speed, in B, N m s2.
+    pub(crate) fn wheel_momenta(&self, numbers: &Numbers) -> [Vector3; WHEELS] {
+        let mut out = [Vector3::zeros(); WHEELS];
         let errors = numbers[PARAMETERS..].chunks_exact(AXES);
-        wheels
-            .zip(errors)
-            .fold(Vector3::zeros(), |h, ((wheel, speed), errors)| {
-                let [axis, first, second] = wheel.directions();
-                let turned = axis * (1.0 + errors[0]) + first * errors[1] + second * errors[2];
-                h + turned * (wheel.spin_inertia * speed)
-            })
+        for ((out, wheel), errors) in out.iter_mut().zip(self.wheels()).zip(errors) {
+            let [axis, first, second] = wheel.directions();
+            let turned = axis * (1.0 + errors[0]) + first * errors[1] + second * errors[2];
+            *out = turned * wheel.spin_inertia;
+        }
+        out
     }
 
     /// What a number of a wheel changes of it, by its place after the parameters.

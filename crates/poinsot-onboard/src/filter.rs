@@ -12,7 +12,7 @@ use crate::placed::Placed;
 use crate::posture::Posture;
 use crate::sample::Sample;
 use crate::slopes::Slopes;
-use crate::stream::{Stream, Window};
+use crate::stream::{Course, Stream, Window};
 use core::f64::consts::TAU;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField;
@@ -111,6 +111,7 @@ pub struct Filter<const N: usize, const WINDOW: usize> {
     pub(crate) running: Option<Running>,
     pub(crate) window: Window<WINDOW>,
     pub(crate) stream: Stream,
+    pub(crate) course: Course,
     pub(crate) tests: Tests,
     pub(crate) checkpoints: Checkpoints,
 }
@@ -166,6 +167,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         running: None,
         window: Window::NEW,
         stream: Stream::NEW,
+        course: Course::NEW,
         tests: Tests::NONE,
         checkpoints: Checkpoints::NONE,
     };
@@ -206,7 +208,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         self.shown = Excitation::new();
         self.starts = 0;
         self.window.restart();
-        self.stream = Stream::NEW;
+        (self.stream, self.course) = (Stream::NEW, Course::NEW);
         self.tests = Tests::new(configuration.forget_s > 0.0);
         let prior = OfParameters::of(configuration.prior);
         self.before_start = prior;
@@ -251,6 +253,20 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     #[inline(never)]
     pub(crate) fn solution(&self) -> Option<Numbers> {
         self.of_parameters().solution(self.layout.numbers)
+    }
+
+    /// Whether the parameters are so near their estimate that the motion stays, as far as norms tell: they bound what
+    /// [`Self::sigma_of_motion`] is compared with, without a covariance.
+    #[inline(never)]
+    fn is_settled(&self) -> Option<bool> {
+        let info = self.of_parameters();
+        let Layout {
+            unknown, numbers, ..
+        } = self.layout;
+        let change = info.solution(numbers)?;
+        let given_known = info.whitened(&change, unknown);
+        let square = given_known.max(info.whitened(&change, numbers));
+        Some(square <= MOVED * MOVED)
     }
 
     /// Sigma within which a motion may move before it is linearised anew: of the unknown numbers where the known ones are given.
@@ -335,10 +351,12 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             false => Vector3::zeros(),
         };
         let inputs = sample.inputs();
-        let posture = Posture::new(&self.configuration, &self.numbers, &inputs);
+        let moving = Moving::new(&self.configuration, &self.numbers);
+        let posture = moving.posture(&inputs);
         let whole = posture.whole.mass_properties()?;
         let (l, h) = (linear(&posture.momentum), angular(&posture.momentum));
-        let h = h + self.configuration.wheel_momentum(&self.numbers, &inputs);
+        let moving = Moving::new(&self.configuration, &self.numbers);
+        let h = h + moving.wheel_momentum(&inputs);
         let h_B = whole.I_BBcm_B * w + h - whole.p_BoBcm_B.cross(&l);
         let mut state = FlexibleState::from(PoseMomentum {
             R_NB,
@@ -347,11 +365,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             h_SScm_N: R_NB * h_B,
         });
         let flexing = &mut self.scratch.flexing[0];
-        Moving::new(&self.configuration, &self.numbers).place(
-            &inputs,
-            &Acting::zeros(),
-            flexing,
-        )?;
+        moving.place(&posture, &Acting::zeros(), flexing)?;
         if let Some(flexing) = flexing {
             state.internal = flexing.flexible.at_rest(&w);
         }
@@ -470,8 +484,8 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             };
             *out = [0.0; N];
             for (k, &input) in layout.inputs().iter().enumerate() {
-                out[k] = row[k] - over.dot(&columns.inputs[0][input]);
-                out[gone + k] = -over.dot(&columns.inputs[1][input]);
+                out[k] = row[k] - layout.dot(&over, &columns.inputs[0][input]);
+                out[gone + k] = -layout.dot(&over, &columns.inputs[1][input]);
             }
             let of_bias: [f64; AXES] = core::array::from_fn(|axis| row[layout.bias() + axis]);
             let entering = [
@@ -496,7 +510,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             let bias = layout.bias();
             out[gone + bias..gone + theta].copy_from_slice(&row[bias..theta]);
             for (j, &k) in layout.numbers().iter().enumerate() {
-                out[gone + theta + j] = row[theta + j] - over.dot(&columns.numbers[k]);
+                out[gone + theta + j] = row[theta + j] - layout.dot(&over, &columns.numbers[k]);
             }
             out[N - 1] = row[N - 1];
         }
@@ -562,7 +576,8 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let Some(running) = self.running.filter(|_| self.looseness > 0.0) else {
             return [declared, 0.0];
         };
-        let posture = Posture::new(&self.configuration, &self.numbers, &running.inputs);
+        let moving = Moving::new(&self.configuration, &self.numbers);
+        let posture = moving.posture(&running.inputs);
         let force = running.force_B.norm();
         let [mass, moment, inertia] = self.prior_spread;
         let per_mass = force / posture.whole.mass;
@@ -588,16 +603,18 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let running = self.running.as_mut()?;
         let moving = Moving::new(&self.configuration, &self.numbers);
         let flexing = &mut self.scratch.flexing[0];
-        let mut place = |inputs: &[f64; INPUTS]| {
-            let (posture, locked) = moving.place(inputs, &Acting::zeros(), flexing)?;
+        let mut place = |posture: &Posture| {
+            let locked = moving.place(posture, &Acting::zeros(), flexing)?;
             let flexible = flexing.as_ref().map(|f| &f.flexible);
-            Some((posture, motion_of(&locked, flexible, &running.state)?))
+            motion_of(&locked, flexible, &running.state)
         };
-        let (mut posture, mut motion) = place(&running.inputs)?;
+        let mut posture = moving.posture(&running.inputs);
+        let mut motion = place(&posture)?;
         running.rate = motion.twist.w;
         let calm = self.shown.calm(&running.inputs);
         if calm != running.inputs {
-            (posture, motion) = place(&calm)?;
+            posture = moving.posture(&calm);
+            motion = place(&posture)?;
         }
         Some(Here {
             rate: running.rate,
@@ -635,13 +652,11 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
                 out[STATE + 2 * mode + 1] = *momentum;
             }
         }
-        let momenta = (LINEAR, STATE + 2 * layout.modes - LINEAR);
-        for row in &mut self.rows[..layout.columns()] {
+        let theta = layout.theta();
+        for row in &mut self.rows[..theta] {
             let over = layout.of_state(row);
-            let over = over.rows(momenta.0, momenta.1);
-            let numbers = &mut row[layout.theta()..layout.columns()];
-            for (number, slope) in numbers.iter_mut().zip(&*all) {
-                *number += sign * over.dot(&slope.rows(momenta.0, momenta.1));
+            for (number, slope) in row[theta..layout.columns()].iter_mut().zip(&*all) {
+                *number += sign * layout.dot(&over, slope);
             }
         }
     }
@@ -723,7 +738,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let (none, state) = ([0.0; NUMBERS], 0..self.layout.theta());
         if size <= self.gate && back_substitute(&self.work, state, &none, &mut change).is_some() {
             self.move_inputs(&change)?;
-            for row in &mut self.rows[..self.layout.columns()] {
+            for row in &mut self.rows[..inputs] {
                 let moved = row.iter().zip(&change).take(inputs);
                 row[N - 1] -= moved.map(|(slope, x)| slope * x).sum::<f64>();
             }
@@ -740,11 +755,16 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         step.interval.found[1] = self.running?.found();
         let before = self.columns.numbers;
         self.follow(&step.from, &step.interval, true)?;
-        let (layout, columns) = (self.layout, &self.columns);
-        for row in &mut self.rows[..layout.columns()] {
+        let layout = self.layout;
+        let changes = &mut self.columns.numbers;
+        for &k in layout.numbers() {
+            changes[k] -= before[k];
+        }
+        let theta = layout.theta();
+        for row in &mut self.rows[..theta] {
             let over = layout.of_state(row);
-            for (j, &k) in layout.numbers().iter().enumerate() {
-                row[layout.theta() + j] -= over.dot(&(columns.numbers[k] - before[k]));
+            for (number, &k) in row[theta..].iter_mut().zip(layout.numbers()) {
+                *number -= layout.dot(&over, &changes[k]);
             }
         }
         Some(())
@@ -842,6 +862,9 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
 
     /// Moves the parameters to their estimate where they moved by more than a tenth of a sigma, and the motion with them.
     pub(crate) fn follow_parameters(&mut self) -> Option<()> {
+        if self.is_settled()? {
+            return Some(());
+        }
         let count = self.layout.numbers;
         let change = self.solution()?;
         let sigma = self.sigma_of_motion();

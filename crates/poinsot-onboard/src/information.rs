@@ -116,6 +116,12 @@ impl OfParameters {
         out.iter().all(|x| x.is_finite()).then_some(out)
     }
 
+    /// Square of `R x` over the first `count`: no number is off by more than its root in sigma.
+    pub fn whitened(&self, x: &Numbers, count: usize) -> f64 {
+        let row = |i: usize| (i..count).map(|j| self.R[(i, j)] * x[j]).sum::<f64>();
+        (0..count).map(row).map(|y| y * y).sum()
+    }
+
     /// Columns of `R^-1`, whose product with its transpose is the covariance.
     pub fn inverse(&self, count: usize) -> impl Iterator<Item = Numbers> {
         (0..count).map(|j| {

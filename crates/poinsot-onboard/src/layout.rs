@@ -1,7 +1,7 @@
 //! Places of the columns.
 
 use crate::configuration::{Configuration, INPUTS};
-use crate::numbers::{AXES, MOUNTING, NUMBERS, PARAMETERS, WHEELS};
+use crate::numbers::{AXES, CURVE, MOUNTING, NUMBERS, PARAMETERS, WHEELS};
 use poinsot_dynamics::propagation::{COLUMN, Column, INTERNAL, STATE};
 
 /// Components of the kernels' state `[dphi_B, dp_N, dP_N, dh_N]` in the order of the filter's columns; without a position the first six
@@ -93,7 +93,7 @@ impl Layout {
     /// Columns of the turn of the attitude sensor.
     pub fn mountings(&self) -> impl Iterator<Item = usize> + Clone {
         let numbers = self.numbers().iter().enumerate();
-        let first = numbers.filter(|(_, k)| **k >= MOUNTING);
+        let first = numbers.filter(|(_, k)| (MOUNTING..CURVE).contains(*k));
         let theta = self.theta();
         first.map(move |(j, _)| theta + j)
     }
@@ -122,6 +122,14 @@ impl Layout {
         state
     }
 
+    /// Product of two columns over the state that there is.
+    pub fn dot(&self, a: &Column, b: &Column) -> f64 {
+        match self.modes {
+            0 => a.fixed_rows::<STATE>(0).dot(&b.fixed_rows::<STATE>(0)),
+            _ => a.dot(b),
+        }
+    }
+
     /// First column of the gyro bias.
     pub fn bias(&self) -> usize {
         self.pose() + self.state().len()
@@ -138,11 +146,11 @@ impl Layout {
     }
 }
 
-/// Columns that any configuration with exact known numbers fits into: the state with a position and modes, the bias and all parameters, a
-/// column more for each input at the other end of an interval and for the mean of each wheel, the noises of both momenta and of the bias,
+/// Columns that any configuration with exact known numbers fits into: the state with a position and modes, the bias, all parameters and
+/// the curve of the wheels, a column more for each input at the other end of an interval and for the mean of each wheel, the noises of both momenta and of the bias,
 /// and `z`. Known numbers have room where there are wheels or joints alone.
 pub const COLUMNS: usize =
-    INPUTS + STATE + INTERNAL + AXES + PARAMETERS + INPUTS + WHEELS + 3 * AXES + 1;
+    INPUTS + STATE + INTERNAL + AXES + PARAMETERS + 1 + INPUTS + WHEELS + 3 * AXES + 1;
 
 /// Columns that a filter must have room for.
 pub fn required_capacity(configuration: &Configuration) -> usize {

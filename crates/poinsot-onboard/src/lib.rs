@@ -58,7 +58,7 @@ pub use filter::Filter;
 pub use ground::GroundFilter;
 pub use health::{Health, SensorCounts};
 pub use layout::COLUMNS;
-pub use numbers::{MOUNTING, NUMBERS, WHEELS, of_wheel};
+pub use numbers::{CURVE, MOUNTING, NUMBERS, WHEELS, of_wheel};
 pub use poinsot_dynamics::propagation::Mode;
 pub use sample::Sample;
 pub use stream::Refusal;

@@ -2,7 +2,7 @@
 
 use crate::configuration::{Configuration, INPUTS, of_joint, of_rate};
 use crate::excitation::Excitation;
-use crate::numbers::{AXES, MOUNTING, NUMBERS, Numbers, WHEELS};
+use crate::numbers::{AXES, CURVE, MOUNTING, NUMBERS, Numbers, WHEELS};
 use crate::placed::Placed;
 use crate::posture::{AT_REST, Posture, momentum};
 use crate::sample::Sample;
@@ -48,6 +48,8 @@ pub struct Bend {
     /// Momentum of the wheels less the impulse, about `Bo` in B, and twist of the base by the joints, above those of the inputs between
     /// both ends; integrals over the interval, N s2 and N m s2, m and rad.
     pub offset: [[f64; 2 * AXES]; 2],
+    /// The same of the angular momentum per unit of the number [`CURVE`].
+    pub curve: [f64; AXES],
     /// Readings in between.
     pub between: u32,
 }
@@ -56,6 +58,7 @@ impl Bend {
     /// No reading in between.
     pub const NONE: Self = Self {
         offset: [[0.0; 2 * AXES]; 2],
+        curve: [0.0; AXES],
         between: 0,
     };
 
@@ -133,6 +136,8 @@ pub struct Linear<'a> {
 pub struct Moving<'a> {
     pub configuration: &'a Configuration,
     pub numbers: &'a Numbers,
+    /// Angular momentum of each wheel per unit of its speed.
+    wheels: [Vector3; WHEELS],
 }
 
 /// The equations at one point of a step.
@@ -243,8 +248,21 @@ impl Interval {
     }
 
     /// What acts above the inputs: a parabola.
-    fn beyond(&self, share: f64) -> Acting {
-        Acting::from(self.bend.offset) * (6.0 * share * (1.0 - share) / self.dt)
+    fn beyond(&self, share: f64, numbers: &Numbers) -> Acting {
+        let h = self.curved(share) * numbers[CURVE];
+        let mut out = Acting::from(self.bend.offset) * self.parabola(share);
+        out.set_column(0, &(out.column(0) + stacked(&Vector3::zeros(), &h)));
+        out
+    }
+
+    /// What the number [`CURVE`] adds to the angular momentum of the wheels.
+    fn curved(&self, share: f64) -> Vector3 {
+        Vector3::from(self.bend.curve) * self.parabola(share)
+    }
+
+    /// Of the integral 1.
+    fn parabola(&self, share: f64) -> f64 {
+        6.0 * share * (1.0 - share) / self.dt
     }
 
     /// What the reading of an input at an end gives to inputs at a share of the interval: to itself, and for a joint to the other one of
@@ -303,7 +321,14 @@ impl<'a> Moving<'a> {
         Self {
             configuration,
             numbers,
+            wheels: configuration.wheel_momenta(numbers),
         }
+    }
+
+    /// Angular momentum of the wheels relative to the base at these speeds, in B, N m s.
+    pub fn wheel_momentum(&self, speeds: &[f64]) -> Vector3 {
+        let each = self.wheels.iter().zip(speeds);
+        each.map(|(wheel, speed)| wheel * *speed).sum()
     }
 
     /// What acts with these inputs.
@@ -311,10 +336,10 @@ impl<'a> Moving<'a> {
     /// Of the joints it is the twist, not the momentum: errors of positions take it along a path that they close again, and what is left of
     /// that in the integral is small where each is divided by the inertia at its own place.
     pub fn acting(&self, inputs: &[f64; INPUTS]) -> Option<Acting> {
-        let h = self.configuration.wheel_momentum(self.numbers, inputs);
+        let h = self.wheel_momentum(inputs);
         let mut twist = Vector6::zeros();
         if self.configuration.joint_count > 0 {
-            let posture = Posture::new(self.configuration, self.numbers, inputs);
+            let posture = self.posture(inputs);
             let by_joints = posture
                 .locked(&Vector6::zeros())?
                 .base_motion(&AT_REST)
@@ -338,33 +363,27 @@ impl<'a> Moving<'a> {
         self.acting(&interval.inputs_at(0.5))
     }
 
-    /// The vehicle with these inputs, and what acts beside them.
-    pub fn locked(
+    /// Positions and rates of its joints.
+    pub fn posture(&self, inputs: &[f64; INPUTS]) -> Posture {
+        Posture::new(self.configuration, self.numbers, inputs)
+    }
+
+    /// The vehicle in a posture, with what acts beside its inputs and its modes.
+    pub fn place(
         &self,
-        inputs: &[f64; INPUTS],
+        posture: &Posture,
         more: &Acting,
-    ) -> Option<(Posture, LockedVehicle)> {
-        let posture = Posture::new(self.configuration, self.numbers, inputs);
-        let h = self.configuration.wheel_momentum(self.numbers, inputs);
+        flexing: &mut Option<Flexing>,
+    ) -> Option<LockedVehicle> {
+        let h = self.wheel_momentum(&posture.speeds);
         let h = stacked(&Vector3::zeros(), &h) + more.column(0);
         let of_twist = momentum(&posture.whole, &more.column(1).into_owned());
         let locked = posture.locked(&(h - of_twist))?;
-        Some((posture, locked))
-    }
-
-    /// The same, with its modes.
-    pub fn place(
-        &self,
-        inputs: &[f64; INPUTS],
-        more: &Acting,
-        flexing: &mut Option<Flexing>,
-    ) -> Option<(Posture, LockedVehicle)> {
-        let (posture, locked) = self.locked(inputs, more)?;
         if let Some(flexing) = flexing {
             let modes = self.configuration.modes();
             flexing.flexible.place_on_base(modes, &locked)?;
         }
-        Some((posture, locked))
+        Some(locked)
     }
 
     /// Follows a state over an interval, with its columns.
@@ -376,7 +395,7 @@ impl<'a> Moving<'a> {
     ) -> Option<FlexibleState> {
         let inputs = interval.inputs_at(0.0);
         let first = &mut linear.scratch.flexing[0];
-        let (_, start) = self.place(&inputs, &Acting::zeros(), first)?;
+        let start = self.place(&self.posture(&inputs), &Acting::zeros(), first)?;
         let flexible = first.as_ref().map(|f| &f.flexible);
         let joints = inputs[of_rate(0)..].iter().map(|rate| rate.abs());
         let swings = flexible.map_or(0.0, |f| f.fastest(&start, true));
@@ -408,8 +427,9 @@ impl<'a> Moving<'a> {
     ) -> Option<FlexibleState> {
         let flexing = &mut linear.scratch.flexing;
         let place = |share: f64, flexing: &mut Option<Flexing>| {
-            let (inputs, beyond) = (interval.inputs_at(share), interval.beyond(share));
-            Some(self.place(&inputs, &beyond, flexing)?.1)
+            let inputs = interval.inputs_at(share);
+            let beyond = interval.beyond(share, self.numbers);
+            self.place(&self.posture(&inputs), &beyond, flexing)
         };
         let locked = &[
             place(shares[0], &mut flexing[0])?,
@@ -436,7 +456,10 @@ impl<'a> Moving<'a> {
 
     /// The uncertain numbers that the motion depends on.
     fn moving_numbers(&self) -> impl Iterator<Item = usize> {
-        self.configuration.uncertain().filter(|k| *k < MOUNTING)
+        let of_sensors = MOUNTING..CURVE;
+        self.configuration
+            .uncertain()
+            .filter(move |k| !of_sensors.contains(k))
     }
 
     /// Fills the equations at one point.
@@ -448,7 +471,9 @@ impl<'a> Moving<'a> {
         (flexing, out): (&mut Option<Flexing>, &mut Point),
     ) -> Option<()> {
         let inputs = shown.calm(&interval.inputs_at(share));
-        let (posture, locked) = self.place(&inputs, &interval.beyond(share), flexing)?;
+        let beyond = interval.beyond(share, self.numbers);
+        let posture = self.posture(&inputs);
+        let locked = self.place(&posture, &beyond, flexing)?;
         let (mut flexible, mut modes) = (None, None);
         if let Some(f) = flexing {
             flexible = Some(&f.flexible);
@@ -471,7 +496,10 @@ impl<'a> Moving<'a> {
         }
         let slopes = Slopes::new(self.configuration, placed, shown);
         for k in self.moving_numbers() {
-            let slope = slopes.of(k);
+            let slope = match k {
+                CURVE => slopes.of_momentum(&interval.curved(share)),
+                _ => slopes.of(k),
+            };
             let h = R * force.cross(&slope.centre);
             out.numbers[k] = pose_change(&R, &slope.change.twist);
             out.pushes[k] = Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z);

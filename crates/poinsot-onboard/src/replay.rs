@@ -28,13 +28,16 @@ const HALVINGS: u32 = 20;
 impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     /// The next sample in order.
     pub(crate) fn process(&mut self, sample: &Sample) {
+        let moving = Moving::new(&self.configuration, &self.numbers);
+        let h = moving.wheel_momentum(&sample.wheel_speed);
+        let gap = self.configuration.longest_gap_s;
+        let bend = self.course.next(sample.time_s, h, gap);
         if self.window.done {
-            let verdict = self.step(sample, Bend::NONE, true);
+            let verdict = self.step(sample, bend, true);
             self.conclude(verdict);
             return;
         }
-        let moving = Moving::new(&self.configuration, &self.numbers);
-        let taken = self.window.gather(sample, &moving);
+        let taken = self.window.gather(sample, (&bend, &moving));
         if !taken || !self.window.is_due(&self.configuration) {
             return;
         }

@@ -59,20 +59,22 @@ impl<'a> Slopes<'a> {
         match k.checked_sub(PARAMETERS) {
             None => self.of_parameter(k),
             Some(place) => {
-                let h = self
-                    .configuration
-                    .wheel_slope(place, &self.placed.posture.speeds);
-                let momentum = stacked(&Vector3::zeros(), &h);
-                NumberSlope {
-                    change: self
-                        .placed
-                        .answer(&Held::of_motion(momentum, Vector3::zeros())),
-                    momentum,
-                    of_modes: PerMode::default(),
-                    centre: Vector3::zeros(),
-                    mass: 0.0,
-                }
+                let speeds = &self.placed.posture.speeds;
+                self.of_momentum(&self.configuration.wheel_slope(place, speeds))
             }
+        }
+    }
+
+    /// Of one that changes the angular momentum alone, by this in B.
+    pub fn of_momentum(&self, h: &Vector3) -> NumberSlope {
+        let momentum = stacked(&Vector3::zeros(), h);
+        let held = Held::of_motion(momentum, Vector3::zeros());
+        NumberSlope {
+            change: self.placed.answer(&held),
+            momentum,
+            of_modes: PerMode::default(),
+            centre: Vector3::zeros(),
+            mass: 0.0,
         }
     }
 

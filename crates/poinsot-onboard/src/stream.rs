@@ -7,7 +7,7 @@ use core::f64::consts::TAU;
 use nalgebra::ArrayStorage;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField;
-use poinsot_spatial::Vector6;
+use poinsot_spatial::{Vector3, Vector6};
 
 /// No momentum and no twist.
 const NOTHING: Acting = Acting::from_array_storage(ArrayStorage([[0.0; 6]; 2]));
@@ -34,6 +34,38 @@ pub enum Refusal {
     /// Its time is further from the newest than the longest gap. The third such sample in a row is taken, and the motion starts
     /// anew.
     ClockJump = 5,
+}
+
+/// How the wheels went on up to the last sample.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Course {
+    /// Time, s, and angular momentum of the wheels in B.
+    last: Option<(f64, Vector3)>,
+    /// Length of the interval before it, s, and the mean torque in it.
+    before: Option<(f64, Vector3)>,
+}
+
+impl Course {
+    pub const NEW: Self = Self {
+        last: None,
+        before: None,
+    };
+
+    /// The next sample, with the bend of the last three.
+    pub fn next(&mut self, time: f64, h: Vector3, longest_gap_s: f64) -> Bend {
+        let last = self.last.replace((time, h));
+        let last = last.map(|(from, h_from)| (time - from, h - h_from));
+        let here = last.filter(|(dt, _)| (0.0..longest_gap_s).contains(dt));
+        let here = here.map(|(dt, change)| (dt, change / dt));
+        let before = core::mem::replace(&mut self.before, here);
+        let mut bend = Bend::NONE;
+        if let (Some((dt, torque)), Some((dt_before, torque_before))) = (here, before) {
+            // Below a parabola through all three, from the second to the third.
+            let second = (torque - torque_before) / (dt + dt_before);
+            bend.curve = (second * (-dt.powi(3) / 6.0)).into();
+        }
+        bend
+    }
 }
 
 /// Samples that wait for their turn.
@@ -142,6 +174,8 @@ struct Since {
     last: Sample,
     /// Impulse of force and torque.
     impulse: Vector6,
+    /// Per unit of the curve, see [`Bend::curve`].
+    curve: Vector3,
     /// What acts less the impulse: at the beginning, at the last sample, its integral.
     begin: Acting,
     acting: Acting,
@@ -153,6 +187,7 @@ impl Since {
     const NOTHING: Self = Self {
         last: Sample::at(0.0),
         impulse: NONE,
+        curve: Vector3::new(0.0, 0.0, 0.0),
         begin: NOTHING,
         acting: NOTHING,
         integral: NOTHING,
@@ -180,6 +215,7 @@ impl Since {
         end.set_column(0, &(end.column(0) - self.impulse));
         self.integral += simpson(&self.acting, &middle, &end) * dt + Acting::from(bend.offset);
         (self.acting, self.last) = (end, *sample);
+        self.curve += Vector3::from(bend.curve);
         self.readings += bend.between + 1;
     }
 
@@ -189,6 +225,7 @@ impl Since {
         let plain = simpson(&self.begin, &middle, &self.acting);
         Bend {
             offset: (self.integral - plain * dt).into(),
+            curve: self.curve.into(),
             between: self.readings.saturating_sub(1),
         }
     }
@@ -226,9 +263,9 @@ impl<const WINDOW: usize> Window<WINDOW> {
         ends.map_or(0.0, |(first, last)| last.time_s - first.time_s)
     }
 
-    /// Takes a sample, or leaves it out; whether it took it.
-    pub fn gather(&mut self, sample: &Sample, moving: &Moving) -> bool {
-        self.gather_every(sample, (&Bend::NONE, moving), 1 << self.thinned)
+    /// Takes a sample with what lies before it, or leaves it out; whether it took it.
+    pub fn gather(&mut self, sample: &Sample, lying: (&Bend, &Moving)) -> bool {
+        self.gather_every(sample, lying, 1 << self.thinned)
     }
 
     /// Whether it is to be replayed: first at a tenth, with modes when it is full, since few samples do not tell them from turns; from

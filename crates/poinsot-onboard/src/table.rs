@@ -6,7 +6,7 @@
 //! |---|---|---|
 //! | 0 | 8 bytes | `PNONBRD` and a zero |
 //! | 8 | u32 | version, 4 |
-//! | 12 | u32 | number of bytes, 8580 |
+//! | 12 | u32 | number of bytes, 8892 |
 //! | 16 | u32 | number of wheels |
 //! | 20 | u32 | unknown parameters: bit k for the k-th of `poinsot_spatial::PARAMETER_NAMES` |
 //! | 24 | u32 | samples that are held back |
@@ -15,26 +15,26 @@
 //! | 36 | u32 | joints that slide: bit k for the k-th |
 //! | 40 | 7 x u32 | links that carry the joints |
 //! | 68 | u32 | number of modes |
-//! | 72 | u32 | numbers known with a sigma: bits 3k to 3k + 2 for the k-th wheel, 24 to 26 for the attitude sensor |
+//! | 72 | u32 | numbers known with a sigma: bits 3k to 3k + 2 for the k-th wheel, 24 to 26 for the attitude sensor, 27 for the curve of the wheels |
 //! | 76 | u32 | zero |
 //! | 80 | 10 x f64 | known parameters of the base |
-//! | 160 | 37 x f64 | nominal parameters of the unknown body, nominal errors of the known numbers |
-//! | 456 | 703 x f64 | square root of the prior information, the upper triangle column by column |
-//! | 6080 | 8 x 5 x f64 | wheels: axis x, y, z, spin inertia, noise |
-//! | 6400 | 6 x f64 | noise: gyro, attitude, position, bias, bias walk, torque walk |
-//! | 6448 | 2 x f64 | longest gap, time to stale |
-//! | 6464 | 7 x f64 | unknown body in its link: rotation x, y, z, w, position |
-//! | 6520 | 7 x 22 x f64 | joints: rotation x, y, z, w, position, axis, known parameters, noise of position and rate |
-//! | 7752 | 6 x 17 x f64 | modes: frequency, damping ratio, translation, rotation, slope of inertia column by column |
-//! | 8568 | f64 | time to forget |
-//! | 8576 | u32 | CRC-32 of all bytes before it (ISO 3309, as in zlib) |
+//! | 160 | 38 x f64 | nominal parameters of the unknown body, nominal errors of the known numbers |
+//! | 464 | 741 x f64 | square root of the prior information, the upper triangle column by column |
+//! | 6392 | 8 x 5 x f64 | wheels: axis x, y, z, spin inertia, noise |
+//! | 6712 | 6 x f64 | noise: gyro, attitude, position, bias, bias walk, torque walk |
+//! | 6760 | 2 x f64 | longest gap, time to stale |
+//! | 6776 | 7 x f64 | unknown body in its link: rotation x, y, z, w, position |
+//! | 6832 | 7 x 22 x f64 | joints: rotation x, y, z, w, position, axis, known parameters, noise of position and rate |
+//! | 8064 | 6 x 17 x f64 | modes: frequency, damping ratio, translation, rotation, slope of inertia column by column |
+//! | 8880 | f64 | time to forget |
+//! | 8888 | u32 | CRC-32 of all bytes before it (ISO 3309, as in zlib) |
 
 use crate::check::Invalid;
 use crate::configuration::{Configuration, JOINTS};
 use crate::numbers::PARAMETERS;
 
 /// Bytes of a table.
-pub const TABLE: usize = 8580;
+pub const TABLE: usize = 8892;
 const MAGIC: [u8; 8] = *b"PNONBRD\0";
 const VERSION: u32 = 4;
 const CHECKED: usize = TABLE - 4;

@@ -101,6 +101,9 @@ impl OnBoard {
             answer,
         };
         prior.set(&mut configuration, &mut assumed)?;
+        if configuration.wheel_count > 0 {
+            configuration = configuration.with_curve();
+        }
         configuration.forget_s = body.prior.and_then(|p| p.forget_s).unwrap_or(0.0);
         assumed.extend(unused(model));
         let open = model

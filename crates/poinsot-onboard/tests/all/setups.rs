@@ -4,7 +4,10 @@ use crate::arm::{Arm, Link, points};
 use crate::sprung::Sprung;
 use crate::truth::{Motion, Noise, Truth};
 use nalgebra::{DMatrix, Matrix3, UnitQuaternion, Vector3};
-use poinsot_onboard::{Configuration, Filter, JOINTS, Joint, MOUNTING, WHEELS, Wheel, of_wheel};
+use poinsot_onboard::{
+    CURVE, Configuration, Filter, JOINTS, Joint, MOUNTING, WHEELS, Wheel, of_wheel,
+};
+use std::f64::consts::TAU;
 
 /// The filter of the trials: 30 s are replayed.
 pub type OnBoard = Filter<72, 150>;
@@ -118,6 +121,7 @@ pub fn bus_with_wheels() -> Setup {
         I: Matrix3::new(10.0, 0.4, -0.3, 0.4, 12.0, 0.2, -0.3, 0.2, 8.0),
         start: at_rest(Vector3::new(0.002, -0.001, 0.003)),
         hold: 1,
+        smooth: false,
         motors: four_wheels,
         wrench: |_| (Vector3::zeros(), Vector3::zeros()),
         dt: 0.2,
@@ -144,6 +148,7 @@ pub fn bus_with_thrusters() -> Setup {
         I: Matrix3::new(10.0, 0.4, -0.3, 0.4, 12.0, 0.2, -0.3, 0.2, 8.0),
         start: at_rest(Vector3::new(0.01, -0.02, 0.015)),
         hold: 1,
+        smooth: false,
         motors: |_| [0.0; WHEELS],
         wrench: thrusters,
         dt: 0.2,
@@ -167,6 +172,7 @@ pub fn tumbling() -> Setup {
         I: Matrix3::new(5.0, 0.2, -0.1, 0.2, 7.0, 0.3, -0.1, 0.3, 8.5),
         start,
         hold: 1,
+        smooth: false,
         motors: |k| {
             let mut out = [0.0; WHEELS];
             out[0] = 0.02 * switching(k, 40, 9);
@@ -253,6 +259,7 @@ pub fn arm_with_payload() -> Setup {
         I: payload.2,
         start: at_rest(Vector3::new(0.01, -0.02, 0.015)),
         hold: 1,
+        smooth: false,
         motors: |_| [0.0; WHEELS],
         wrench: |_| (Vector3::zeros(), Vector3::zeros()),
         dt: 0.2,
@@ -342,7 +349,25 @@ pub fn with_modes() -> [Setup; 2] {
     })
 }
 
+/// The bus with wheels, each with a torque that goes up and down over 10 to 25 s.
+pub fn bus_with_smooth_wheels() -> Setup {
+    let mut setup = bus_with_wheels();
+    setup.name = "bus with wheels of smooth torque";
+    setup.truth.smooth = true;
+    setup.truth.motors = |k| {
+        let wave = |j: usize| (TAU * k as f64 / (50.0 + 23.0 * j as f64) + j as f64).sin();
+        std::array::from_fn(|j| if j < 4 { 0.06 * wave(j) } else { 0.0 })
+    };
+    setup
+}
+
 impl Setup {
+    /// Lets the filter find what the wheels do between samples.
+    pub fn with_curve(mut self) -> Self {
+        self.configuration = self.configuration.with_curve();
+        self
+    }
+
     /// The same flight, sampled so many times as often.
     pub fn faster(mut self, by: usize) -> Self {
         self.truth.dt /= by as f64;
@@ -371,7 +396,7 @@ impl Setup {
             }
         }
         self.configuration.uncertain[of_wheel(0)..of_wheel(wheels)].fill(true);
-        self.configuration.uncertain[MOUNTING..].fill(true);
+        self.configuration.uncertain[MOUNTING..CURVE].fill(true);
         self
     }
 

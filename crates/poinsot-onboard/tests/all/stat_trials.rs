@@ -109,6 +109,16 @@ fn stat_errors_are_those_of_the_covariance() {
     }
 }
 
+/// What the wheels do between samples is found: straight lines, and curves.
+#[test]
+fn stat_speeds_that_curve_between_samples_are_followed() {
+    let straight = setups::bus_with_wheels();
+    for mut setup in [straight, setups::bus_with_smooth_wheels()] {
+        setup.truth.samples = 3_000;
+        calibrated(&setup.with_curve(), trials().div_ceil(2), 0.01);
+    }
+}
+
 /// Spin inertias within 2 %, axes and mounting within 3 mrad: what is not exact counts in the covariance, and in the motion.
 #[test]
 fn stat_known_numbers_count_in_the_covariance() {

@@ -20,8 +20,9 @@ pub struct Truth {
     pub start: Motion,
     /// Samples for which what drives it stays.
     pub hold: usize,
-    /// Torque of each wheel's motor in interval k of these, N m.
+    /// Torque of each wheel's motor in interval k of these, N m; it goes straight on to that of the next one where they are `smooth`.
     pub motors: fn(usize) -> [f64; WHEELS],
+    pub smooth: bool,
     /// Force and torque about `Bo` in that interval, in B.
     pub wrench: fn(usize) -> (Vector3<f64>, Vector3<f64>),
     pub dt: f64,
@@ -85,10 +86,21 @@ impl Truth {
     pub fn next(&self, configuration: &Configuration, now: &Motion, k: usize) -> Motion {
         let steps = (self.dt / STEP).ceil() as usize;
         let dt = self.dt / steps as f64;
-        (0..steps).fold(*now, |now, _| self.step(configuration, &now, k, dt))
+        let share = |step: usize| step as f64 / steps as f64;
+        (0..steps).fold(*now, |now, step| {
+            let ends = [share(step), share(step + 1)];
+            self.step(configuration, &now, (k, ends), dt)
+        })
     }
 
-    fn step(&self, configuration: &Configuration, now: &Motion, k: usize, dt: f64) -> Motion {
+    /// From one share of an interval to another.
+    fn step(
+        &self,
+        configuration: &Configuration,
+        now: &Motion,
+        (k, [from, to]): (usize, [f64; 2]),
+        dt: f64,
+    ) -> Motion {
         let add = |m: &Motion, r: &Rates, dt: f64| Motion {
             R: m.R * UnitQuaternion::from_scaled_axis(r.turn * dt),
             w: m.w + r.w * dt,
@@ -98,10 +110,11 @@ impl Truth {
             ..*m
         };
         // The turn of a step by the mean rate of Simpson's rule and its commutator (Magnus, fourth order).
-        let a = self.rates(configuration, now, k);
-        let b = self.rates(configuration, &add(now, &a, 0.5 * dt), k);
-        let c = self.rates(configuration, &add(now, &b, 0.5 * dt), k);
-        let d = self.rates(configuration, &add(now, &c, dt), k);
+        let middle = (k, 0.5 * (from + to));
+        let a = self.rates(configuration, now, (k, from));
+        let b = self.rates(configuration, &add(now, &a, 0.5 * dt), middle);
+        let c = self.rates(configuration, &add(now, &b, 0.5 * dt), middle);
+        let d = self.rates(configuration, &add(now, &c, dt), (k, to));
         let mean =
             |f: fn(&Rates) -> Vector3<f64>| (f(&a) + f(&b) * 2.0 + f(&c) * 2.0 + f(&d)) / 6.0;
         let turn = mean(|r| r.turn) + a.turn.cross(&d.turn) * (dt / 12.0);
@@ -118,9 +131,12 @@ impl Truth {
         }
     }
 
-    fn rates(&self, configuration: &Configuration, m: &Motion, k: usize) -> Rates {
+    fn rates(&self, configuration: &Configuration, m: &Motion, (k, share): (usize, f64)) -> Rates {
         let (force, torque) = (self.wrench)(k / self.hold);
-        let motors = (self.motors)(k / self.hold);
+        let [motors, next] = [0, 1].map(|more| (self.motors)(k / self.hold + more));
+        let next = next.map(|torque| if self.smooth { torque * share } else { 0.0 });
+        let left = if self.smooth { 1.0 - share } else { 1.0 };
+        let motors: [f64; WHEELS] = std::array::from_fn(|j| motors[j] * left + next[j]);
         let mut h = self.I * m.w;
         let mut inertia = self.I;
         let mut push = torque - self.c.cross(&force);
