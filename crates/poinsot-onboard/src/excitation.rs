@@ -3,14 +3,15 @@
 use crate::configuration::{Configuration, INPUTS, ITERATIONS, JOINTS, of_joint, of_rate};
 use crate::numbers::AXES;
 use crate::placed::Placed;
+use crate::sample::Sample;
 use nalgebra::{ArrayStorage, SymmetricEigen};
 use poinsot_spatial::{Matrix3, TENSOR, angular};
 
 /// Samples that an excitation is remembered for.
 const MEMORY: f64 = 1000.0;
-/// Mean square of a velocity that may be noise of the wheel speeds, in their variance.
+/// Squares of a velocity that may be an error of the estimate, in its variance: the mean of many samples, and the sum of the few that begin
+/// a motion.
 const JITTER: f64 = 4.0;
-/// Sum of squares of a velocity that may be the error of the estimate at its beginning, in the variance of gyro and bias.
 const STARTING: f64 = 40.0;
 /// Factor on the noise of an encoder beyond which a joint moves, and samples for which it then counts as moving.
 const SEEN: f64 = 6.0;
@@ -24,7 +25,7 @@ const ADDED: f64 = 25.0;
 /// show either.
 #[derive(Debug, Clone, Copy)]
 pub struct Excitation {
-    /// Sum of `w w^T` with a memory of [`MEMORY`] samples.
+    /// Sum of `w w^T` in the variance of the estimate of `w`, with a memory of [`MEMORY`] samples.
     scatter: Matrix3,
     samples: f64,
     /// On the directions.
@@ -35,6 +36,10 @@ pub struct Excitation {
     anchors: [f64; JOINTS],
     moving: [u32; JOINTS],
     watched: bool,
+    /// Attitudes since the motion began: time of the first one, how many, and for how long, s.
+    first_s: f64,
+    attitudes: f64,
+    elapsed_s: f64,
 }
 
 impl Excitation {
@@ -47,6 +52,9 @@ impl Excitation {
         anchors: [0.0; JOINTS],
         moving: [0; JOINTS],
         watched: false,
+        first_s: 0.0,
+        attitudes: 0.0,
+        elapsed_s: 0.0,
     };
 
     /// All directions, until [`Self::settle`].
@@ -62,8 +70,21 @@ impl Excitation {
         (self.scatter, self.samples) = (Matrix3::zeros(), 0.0);
     }
 
-    /// Sees which joints move in a sample.
-    pub fn watch(&mut self, configuration: &Configuration, inputs: &[f64; INPUTS]) {
+    /// A motion begins, of which nothing is known.
+    pub fn start(&mut self) {
+        self.attitudes = 0.0;
+    }
+
+    /// Sees which joints move in a sample, and counts its attitude.
+    pub fn watch(&mut self, configuration: &Configuration, sample: &Sample) {
+        if sample.attitude.is_some() {
+            if self.attitudes == 0.0 {
+                self.first_s = sample.time_s;
+            }
+            self.attitudes += 1.0;
+            self.elapsed_s = sample.time_s - self.first_s;
+        }
+        let inputs = sample.inputs();
         for (j, joint) in configuration.joints().iter().enumerate() {
             let (position, rate) = (inputs[of_joint(j)], inputs[of_rate(j)]);
             if !self.watched {
@@ -92,8 +113,8 @@ impl Excitation {
     }
 
     /// Takes the directions from what was collected.
-    pub fn settle(&mut self, configuration: &Configuration, placed: &Placed) {
-        let noise = self.noise(configuration, placed);
+    pub fn settle(&mut self) {
+        let noise = self.noise();
         let eigen = SymmetricEigen::try_new(self.scatter, f64::EPSILON, ITERATIONS);
         let Some(eigen) = eigen else {
             return;
@@ -116,12 +137,13 @@ impl Excitation {
             1.0 - 1.0 / MEMORY
         };
         self.samples = (self.samples + 1.0).min(MEMORY);
-        self.scatter = self.scatter * kept + w * w.transpose();
+        let variance = self.variance(configuration, placed);
+        self.scatter = self.scatter * kept + w * w.transpose() / variance;
         if !self.grows {
             return;
         }
         let rest = Matrix3::identity() - self.projector;
-        let noise = ADDED * self.noise(configuration, placed);
+        let noise = ADDED * self.noise();
         let across = rest * self.scatter * rest;
         if across.trace() <= noise {
             return;
@@ -138,15 +160,27 @@ impl Excitation {
         }
     }
 
-    /// Sum of squares of a velocity that may be noise.
-    fn noise(&self, configuration: &Configuration, placed: &Placed) -> f64 {
+    /// Sum of squares of a velocity that may be noise, in its variance.
+    fn noise(&self) -> f64 {
+        STARTING + JITTER * self.samples
+    }
+
+    /// Variance of the estimated velocity: the gyro's bias counts until attitudes tell the velocity better, and errors of the inputs always.
+    fn variance(&self, configuration: &Configuration, placed: &Placed) -> f64 {
         let (of_gyro, of_bias) = (configuration.noise.gyro, configuration.noise.bias);
+        let mut of_start = of_gyro * of_gyro + of_bias * of_bias;
+        let n = self.attitudes;
+        if n > 1.0 {
+            // Of the slope through points at even steps.
+            let slope = configuration.noise.attitude / self.elapsed_s;
+            of_start = of_start.min(12.0 * slope * slope * (n - 1.0) / (n * (n + 1.0)));
+        }
         let inputs = placed.input_twists(configuration);
         let of_inputs: f64 = inputs.iter().map(|t| angular(t).norm_squared()).sum();
         // At the most likely inputs, by gyro, tachometers and encoders together.
         let gyro = AXES as f64 * of_gyro * of_gyro;
         let jitter = gyro * of_inputs / (gyro + of_inputs).max(f64::MIN_POSITIVE);
-        STARTING * (of_gyro * of_gyro + of_bias * of_bias) + JITTER * self.samples * jitter
+        (of_start + jitter).max(f64::MIN_POSITIVE)
     }
 
     /// Relative change of the inertia along the shown directions, `tr(P dI) / tr(P I)`, per unit of each element of a body at `R`; zero

@@ -380,7 +380,8 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             torque_B: sample.torque_B.into(),
             age: 0,
         });
-        self.shown.watch(&self.configuration, &inputs);
+        self.shown.start();
+        self.shown.watch(&self.configuration, sample);
         self.remember();
         let layout = self.layout;
         self.rows[..layout.theta()].fill([0.0; N]);
@@ -444,7 +445,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             torque_B: running.torque_B,
             dt: sample.time_s - running.time_s,
         };
-        self.shown.watch(&self.configuration, &inputs);
+        self.shown.watch(&self.configuration, sample);
         running.state = self.follow(&running.state, &interval, false)?;
         running.time_s = sample.time_s;
         (running.read, running.inputs) = (inputs, inputs);

@@ -111,10 +111,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
                 self.shown.grows = true;
                 return verdict;
             }
-            if let Some(here) = self.here() {
-                self.shown
-                    .settle(&self.configuration, &here.placed(&self.scratch));
-            }
+            self.shown.settle();
             level += usize::from(farthest <= FAR || level >= LOOSE.len());
             self.numbers = self.nearest(&change);
         }

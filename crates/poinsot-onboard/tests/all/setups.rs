@@ -375,6 +375,17 @@ impl Setup {
         self
     }
 
+    /// Hardly known: nominal numbers within 35 %, the bias of the gyro within a degree per second.
+    pub fn hardly_known(mut self) -> Self {
+        let wider = 0.35 / PRIOR;
+        self.sigma = self.sigma.map(|sigma| wider * sigma);
+        for x in &mut self.configuration.prior.0 {
+            *x /= wider;
+        }
+        self.configuration.noise.bias = 0.017;
+        self
+    }
+
     /// Wheels and mounting as drawings tell them: spin inertias within 2 %, with a correlation of 0.7; axes and mounting within 3 mrad.
     pub fn drawn(mut self) -> Self {
         let wheels = self.configuration.wheel_count;

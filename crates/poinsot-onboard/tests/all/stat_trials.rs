@@ -109,6 +109,20 @@ fn stat_errors_are_those_of_the_covariance() {
     }
 }
 
+/// What is hardly known is found as soon as it shows, at any rate.
+#[test]
+fn stat_numbers_that_are_hardly_known_are_found() {
+    for faster in [1, 3] {
+        for setup in setups::all() {
+            calibrated(
+                &setup.hardly_known().faster(faster),
+                trials().div_ceil(2),
+                0.01,
+            );
+        }
+    }
+}
+
 /// What the wheels do between samples is found: straight lines, and curves.
 #[test]
 fn stat_speeds_that_curve_between_samples_are_followed() {
