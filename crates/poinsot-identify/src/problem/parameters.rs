@@ -386,33 +386,17 @@ impl Parameters {
     }
 
     /// How each unknown moves the barycentric parameters at `x`: pairs of index `10 body + k` and slope.
-    /// Empty for unknowns that are not mass properties.
+    /// Empty for unknowns that move no body.
     pub fn slopes(&self, x: &[f64]) -> Vec<Vec<(usize, f64)>> {
         let given = (self.equations == Equations::Rotation).then(|| rotation_properties(self, x));
         self.unknowns
             .iter()
             .map(|unknown| match (&unknown.kind, &given) {
                 (UnknownKind::Barycentric(parts), _) => parts.clone(),
+                (UnknownKind::Known(known), _) => known.slopes.clone(),
                 (UnknownKind::CentralInertia(k), _) => vec![(4 + k, 1.0)],
                 (UnknownKind::MassCentre(axis), Some(body)) => mass_centre_slope(body, *axis),
                 _ => Vec::new(),
-            })
-            .collect()
-    }
-
-    /// Gradient over the unknowns of a function of one body, given its gradient over the body's ten
-    /// barycentric parameters.
-    pub fn chain(&self, body: usize, over_pi: &[f64; 10]) -> Vec<f64> {
-        let slot = |at: &usize| (at / 10 == body).then(|| over_pi[at % 10]);
-        self.unknowns
-            .iter()
-            .map(|unknown| match &unknown.kind {
-                UnknownKind::Barycentric(column)
-                | UnknownKind::Known(KnownUnknown { slopes: column, .. }) => column
-                    .iter()
-                    .filter_map(|(at, c)| slot(at).map(|g| c * g))
-                    .sum(),
-                _ => 0.0,
             })
             .collect()
     }

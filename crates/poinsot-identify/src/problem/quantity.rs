@@ -56,14 +56,10 @@ impl TenParameters {
     /// Of one body.
     pub fn of_body(parameters: &Parameters, body: usize, x: &[f64]) -> Self {
         let value = parameters.bodies(x)[body].to_array();
-        let mut gradient: Vec<Vec<f64>> =
-            (0..10).map(|k| parameters.chain(body, &unit(k))).collect();
-        // Unknowns of rotation are no barycentric parameters: their slopes depend on the answer.
-        if parameters.equations == Equations::Rotation {
-            for (unknown, slopes) in parameters.slopes(x).iter().enumerate() {
-                for (k, slope) in slopes {
-                    gradient[*k][unknown] += slope;
-                }
+        let mut gradient = vec![vec![0.0; parameters.len()]; 10];
+        for (unknown, slopes) in parameters.slopes(x).iter().enumerate() {
+            for (at, slope) in slopes.iter().filter(|(at, _)| at / 10 == body) {
+                gradient[at % 10][unknown] += slope;
             }
         }
         Self { value, gradient }
