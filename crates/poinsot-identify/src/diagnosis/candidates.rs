@@ -111,13 +111,7 @@ impl Twin {
 
 /// A number whose column is made of others.
 fn changed(name: String, unit: &'static str, nominal: f64) -> Unknown {
-    Unknown {
-        kind: UnknownKind::Changed,
-        name,
-        unit,
-        nominal,
-        natural: 1.0,
-    }
+    Unknown::new(UnknownKind::Changed, (name, unit), (nominal, 1.0))
 }
 
 /// Candidates that the fit did not have at its answer, and whether their rows can be held; those with slopes of their own first,

@@ -135,13 +135,9 @@ fn unknowns(model: &Model) -> Vec<Unknown> {
                 told: earlier,
                 slopes: Vec::new(),
             };
-            all.push(Unknown {
-                kind: UnknownKind::Known(known),
-                name,
-                unit: number.unit(),
-                nominal: number.value(model, component),
-                natural: sigma,
-            });
+            let values = (number.value(model, component), sigma);
+            let kind = UnknownKind::Known(known);
+            all.push(Unknown::new(kind, (name, number.unit()), values));
         }
     }
     all

@@ -35,6 +35,23 @@ pub struct Unknown {
     pub natural: f64,
 }
 
+impl Unknown {
+    /// Of a name and a unit, with its value in the model and its natural unit.
+    pub(crate) fn new(
+        kind: UnknownKind,
+        (name, unit): (String, &'static str),
+        (nominal, natural): (f64, f64),
+    ) -> Self {
+        Self {
+            kind,
+            name,
+            unit,
+            nominal,
+            natural,
+        }
+    }
+}
+
 /// Which equations of motion can be written for the data at hand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Equations {
@@ -220,19 +237,8 @@ impl Parameters {
         self.unknowns.extend(declared.map(|entry| entry.unknown));
     }
 
-    fn push(
-        &mut self,
-        kind: UnknownKind,
-        (name, unit): (String, &'static str),
-        (nominal, natural): (f64, f64),
-    ) {
-        self.unknowns.push(Unknown {
-            kind,
-            name,
-            unit,
-            nominal,
-            natural,
-        });
+    fn push(&mut self, kind: UnknownKind, number: (String, &'static str), values: (f64, f64)) {
+        self.unknowns.push(Unknown::new(kind, number, values));
     }
 
     /// Unknowns of one body under the momentum equations: linear unless the mass centre alone is estimated.

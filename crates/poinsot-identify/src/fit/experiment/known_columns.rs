@@ -185,13 +185,8 @@ pub(crate) fn twin(
             UnknownKind::Sensor { sensor, error }
         }
     };
-    let unknown = Unknown {
-        kind,
-        name: number.name(nominal, component),
-        unit: number.unit(),
-        nominal: at,
-        natural: 1.0,
-    };
+    let name = number.name(nominal, component);
+    let unknown = Unknown::new(kind, (name, number.unit()), (at, 1.0));
     Some((unknown, factor))
 }
 

@@ -646,18 +646,12 @@ impl<'a> Registry<'a> {
 /// A number that is zero in the model, of natural scale one, and not declared.
 fn entry(
     kind: &UnknownKind,
-    (name, unit): (String, &'static str),
+    number: (String, &'static str),
     fault: FaultKind,
     hypothesis: String,
 ) -> Entry {
     Entry {
-        unknown: Unknown {
-            kind: kind.clone(),
-            name,
-            unit,
-            nominal: 0.0,
-            natural: 1.0,
-        },
+        unknown: Unknown::new(kind.clone(), number, (0.0, 1.0)),
         declared: Nuisance::Known,
         fault,
         hypothesis,
