@@ -279,7 +279,7 @@ impl<'a> Table<'a> {
             let asked = numbers.iter().map(column).enumerate();
             let asked = asked.filter_map(|(k, column)| Some((k, self.base + column?)));
             let (asked, places): (Vec<usize>, Vec<usize>) = asked.unzip();
-            let (_, found) = shifts(self.experiment, self.fitted, &group.stacked, &places).ok()?;
+            let (_, found) = shifts(self.experiment, self.fitted, &group.stacked, &places)?;
             for (k, shift) in asked.into_iter().zip(found) {
                 all[k] = shift;
             }

@@ -352,20 +352,18 @@ impl<'a> Experiment<'a> {
         stacked.finish()
     }
 
-    /// Spectrum of the shared unknowns within the directions that the data determine where every known number is exact;
-    /// beside it the one of exact known numbers, where any is uncertain.
-    pub fn spectra(
+    /// Spectrum of the shared unknowns within the directions that the data determine where every known number is exact.
+    pub fn spectrum_within(
         &self,
         stacked: &Triangle,
         shared: &SharedTriangle,
         evaluated: &[Evaluated],
-    ) -> Result<(Spectrum, Option<Spectrum>), Faults> {
+    ) -> Result<Spectrum, Faults> {
         if !self.parameters.has_known() {
-            return Ok((self.spectrum(shared, evaluated)?, None));
+            return self.spectrum(shared, evaluated);
         }
         let exact = self.spectrum(&SharedTriangle::exact(self.parameters, stacked), evaluated)?;
-        let own = Spectrum::within(&shared.block(), None, &exact).map_err(not_finite)?;
-        Ok((own, Some(exact)))
+        Spectrum::within(&shared.block(), None, &exact).map_err(not_finite)
     }
 
     /// Spectrum of the shared unknowns: what a fit moves. A stricter accuracy applies to the answer only; in the fit it

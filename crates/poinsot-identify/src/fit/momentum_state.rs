@@ -45,8 +45,7 @@ pub(crate) fn fit_on(
     let alone = || {
         let stacked = experiment.stack(&at, &linearisation.evaluated, false);
         let own = SharedTriangle::new(experiment.parameters, &stacked);
-        let both = experiment.spectra(&stacked, &own, &linearisation.evaluated);
-        both.map(|(alone, _)| alone)
+        experiment.spectrum_within(&stacked, &own, &linearisation.evaluated)
     };
     let data_alone = experiment.has_design_prior().then(alone).transpose().ok()?;
     let chi2 = (linearisation.evaluated.iter()).map(|e| e.chi2).sum();

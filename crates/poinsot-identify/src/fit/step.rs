@@ -324,7 +324,7 @@ pub(crate) fn linearised(
     let stacked = experiment.stack(at, &evaluated, true);
     let mut shared = SharedTriangle::new(experiment.parameters, &stacked);
     shared.hold(&experiment.largest_nuisances());
-    let (spectrum, _) = experiment.spectra(&stacked, &shared, &evaluated)?;
+    let spectrum = experiment.spectrum_within(&stacked, &shared, &evaluated)?;
     let cost = experiment.chi2(at, &evaluated).ok_or_else(no_motion)?;
     let bodies = physical_bodies(experiment).and_then(|bodies| bodies.separable(&spectrum));
     let linearisation = Linearisation {

@@ -379,7 +379,7 @@ pub(crate) fn conclude(
     let numbers = fitted_numbers(experiment, fitted);
     // The fit uses all information; identifiability is evaluated afterwards with exact known numbers.
     let judged = |spectrum: Spectrum| spectrum.judged(experiment.problem.largest_sigma());
-    let known = Effects::new(experiment, fitted).ok().flatten();
+    let known = Effects::new(experiment, fitted);
     let within = |k: &Effects| Spectrum::within(&fitted.shared.block(), None, &k.exact).ok();
     let spectrum = known.as_ref().and_then(within);
     let spectrum = spectrum.unwrap_or_else(|| judged(fitted.spectrum.clone()));

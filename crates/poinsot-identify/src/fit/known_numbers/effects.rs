@@ -5,7 +5,6 @@ use crate::fit::degrees_of_freedom::Loosened;
 use crate::fit::experiment::Experiment;
 use crate::fit::triangle::SharedTriangle;
 use nalgebra::DMatrix;
-use poinsot_files::Faults;
 use poinsot_solve::{Spectrum, Triangle};
 
 /// Share of its declared sigma below which a known number counts as estimated.
@@ -26,26 +25,23 @@ pub(crate) struct Effects {
 }
 
 impl Effects {
-    /// `None` where no known number is among the unknowns.
-    ///
-    /// # Errors
-    /// The triangle holds NaN or infinity.
-    pub fn new(experiment: &Experiment, fitted: &Fitted) -> Result<Option<Self>, Faults> {
+    /// `None` where no known number is among the unknowns, or the triangle holds NaN or infinity.
+    pub fn new(experiment: &Experiment, fitted: &Fitted) -> Option<Self> {
         let parameters = experiment.parameters;
         let places = parameters.known_places();
         if places.is_empty() {
-            return Ok(None);
+            return None;
         }
         let stacked = experiment.stack(&fitted.at, &fitted.evaluated, true);
         let (exact, shift) = shifts(experiment, fitted, &stacked, &places)?;
         let declared = parameters.known_covariance();
-        Ok(Some(Self {
+        Some(Self {
             shift,
             covariance: Loosened::new(fitted).covariance(&places),
             declared: (0..places.len()).map(|k| declared[(k, k)].sqrt()).collect(),
             exact,
             places,
-        }))
+        })
     }
 
     /// Sigma of the k-th after the data.
@@ -61,20 +57,17 @@ impl Effects {
 }
 
 /// What the data determine where the numbers at these places of a stacked triangle are exact, and how the mass properties move
-/// with each of them: one row a number. The others are those of the fit.
-///
-/// # Errors
-/// The triangle holds NaN or infinity.
+/// with each of them: one row a number. The others are those of the fit. `None` where the triangle holds NaN or infinity.
 pub(crate) fn shifts(
     experiment: &Experiment,
     fitted: &Fitted,
     stacked: &Triangle,
     places: &[usize],
-) -> Result<(Spectrum, Vec<Vec<f64>>), Faults> {
+) -> Option<(Spectrum, Vec<Vec<f64>>)> {
     let parameters = experiment.parameters;
     let asked = (0..parameters.len()).filter(|k| !places.contains(k));
     let shared = SharedTriangle::of_columns(parameters, stacked, asked, places);
-    let exact = experiment.spectrum(&shared, &fitted.evaluated)?;
+    let exact = experiment.spectrum(&shared, &fitted.evaluated).ok()?;
     let exact = exact.judged(experiment.problem.largest_sigma());
     let (b, m) = (shared.nuisances, shared.mass);
     let shift = |k: usize| {
@@ -84,5 +77,5 @@ pub(crate) fn shifts(
         units.map(|(z, unit)| z * unit).collect()
     };
     let shift = (0..places.len()).map(shift).collect();
-    Ok((exact, shift))
+    Some((exact, shift))
 }
