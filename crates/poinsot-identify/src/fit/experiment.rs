@@ -142,22 +142,16 @@ impl<'a> Experiment<'a> {
     }
 
     /// The same experiment with more unknowns.
-    pub fn with_parameters<'b>(&self, parameters: &'b Parameters) -> Experiment<'b>
-    where
-        'a: 'b,
-    {
-        Experiment {
+    pub fn with_parameters(&self, parameters: &'a Parameters) -> Self {
+        Self {
             parameters,
             ..self.clone()
         }
     }
 
     /// The same problem with other samples of the same segments.
-    pub fn with_problem<'b>(&self, problem: &'b Problem<'b>) -> Experiment<'b>
-    where
-        'a: 'b,
-    {
-        Experiment {
+    pub fn with_problem(&self, problem: &'a Problem<'a>) -> Self {
+        Self {
             problem,
             curves: Arc::default(),
             grids: Arc::default(),
@@ -166,15 +160,8 @@ impl<'a> Experiment<'a> {
     }
 
     /// The same readings of a vehicle whose known numbers differ: the steps of the motion stay.
-    pub fn of_vehicle<'b>(
-        &self,
-        problem: &'b Problem<'b>,
-        parameters: &'b Parameters,
-    ) -> Experiment<'b>
-    where
-        'a: 'b,
-    {
-        Experiment {
+    pub fn of_vehicle(&self, problem: &'a Problem<'a>, parameters: &'a Parameters) -> Self {
+        Self {
             problem,
             nominal_spin: problem.model.spin_inertias(),
             thrusters: problem.model.thrusters.clone(),
