@@ -12,10 +12,10 @@ pub(crate) fn momentum(estimator: &QuantityEstimator, start: &StartOfSegment) ->
         linear: numbers(
             estimator,
             &start.linear,
-            start.linear_given,
+            start.given.linear,
             !start.translation,
         ),
-        angular: numbers(estimator, &start.angular, start.angular_given, false),
+        angular: numbers(estimator, &start.angular, start.given.angular, false),
     }
 }
 

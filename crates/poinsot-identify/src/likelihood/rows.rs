@@ -8,24 +8,13 @@ use poinsot_dynamics::{
     Kinematics, SensorError, Tree, composite, momentum, momentum_regressor, shift_to_body,
     wheel_momentum, wheel_regressor,
 };
-use poinsot_model::MomentumKnowledge;
+use poinsot_model::{Momentum, MomentumKnowledge};
 use poinsot_spatial::{Matrix3, Matrix6, Vector3, Vector6, skew, tensor_regressor};
 
-/// Momentum as the rows treat it: a column for each unknown component, or a number.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StartMomentum {
-    /// Linear momentum in N.
-    pub linear: MomentumKnowledge,
-    /// Angular momentum about the inertial origin (or the mass centre where only rotation is seen), in N.
-    pub angular: MomentumKnowledge,
-}
-
-impl StartMomentum {
-    /// Number of unknown components.
-    pub fn columns(&self) -> usize {
-        let count = |k: &MomentumKnowledge| 3 * usize::from(*k == MomentumKnowledge::Estimate);
-        count(&self.linear) + count(&self.angular)
-    }
+/// Columns of a momentum at the start: one for each unknown component.
+pub(crate) fn start_columns(start: &Momentum) -> usize {
+    let count = |k: &MomentumKnowledge| 3 * usize::from(*k == MomentumKnowledge::Estimate);
+    count(&start.linear) + count(&start.angular)
 }
 
 /// Everything that stays the same from sample to sample.
@@ -47,7 +36,8 @@ pub struct Rows<'a> {
     setting: &'a RowSetting<'a>,
     segment: &'a Segment,
     impulses: &'a Impulses,
-    start: StartMomentum,
+    /// In N; the angular momentum about the inertial origin, or the mass centre where only rotation is seen.
+    start: Momentum,
     kinematics: Kinematics,
     unit: Kinematics,
     regressor: Vec<[f64; 6]>,
@@ -63,7 +53,7 @@ impl<'a> Rows<'a> {
         setting: &'a RowSetting<'a>,
         segment: &'a Segment,
         impulses: &'a Impulses,
-        start: StartMomentum,
+        start: Momentum,
     ) -> Self {
         let tree = setting.tree;
         Self {
@@ -71,7 +61,7 @@ impl<'a> Rows<'a> {
             unit: Kinematics::new(tree),
             regressor: vec![[0.0; 6]; 10 * tree.bodies()],
             wheels: vec![[0.0; 6]; tree.rotors.len()],
-            columns: Vec::with_capacity(start.columns() + setting.parameters.len() + 1),
+            columns: Vec::with_capacity(start_columns(&start) + setting.parameters.len() + 1),
             joints: Vec::with_capacity(tree.dof()),
             setting,
             segment,

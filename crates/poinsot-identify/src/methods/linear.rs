@@ -11,7 +11,7 @@ use crate::fit::experiment::Experiment;
 use crate::fit::fit_near;
 use crate::fit::triangle::{SharedTriangle, conditional_estimate, longest_column};
 use crate::likelihood::impulse;
-use crate::likelihood::rows::{RowSetting, Rows, StartMomentum};
+use crate::likelihood::rows::{RowSetting, Rows, start_columns};
 use crate::methods::twist_residual;
 use crate::problem::parameters::{Equations, Parameters};
 use crate::problem::quantity::TenParameters;
@@ -25,7 +25,7 @@ use crate::solution::solved::{Solution, StartOfSegment, VectorQuantity};
 use crate::solution::unobservable_set::UnobservableSet;
 use poinsot_dynamics::composite;
 use poinsot_files::Pace;
-use poinsot_model::MomentumKnowledge;
+use poinsot_model::{Momentum, MomentumKnowledge};
 use poinsot_solve::{BlockQr, Spectrum, Triangle};
 use poinsot_spatial::{Vector3, skew};
 use rayon::prelude::*;
@@ -85,7 +85,7 @@ struct ReducedSegment {
     /// Triangle of `[momentum | unknowns | rhs]`.
     triangle: Triangle,
     /// What was assumed of its momentum.
-    start: StartMomentum,
+    start: Momentum,
 }
 
 /// A solution with what it was solved from.
@@ -182,7 +182,7 @@ fn solve(problem: &Problem, centres: Option<&[Vector3]>) -> Result<Reduced, Prob
         let samples = segment.samples.time_s.len();
         let triangle = reduce(&setting, problem, segment, start, &mut noise);
         problem.pace.map_or(Ok(()), Pace::over)?;
-        let m = start.columns();
+        let m = start_columns(&start);
         let tail = triangle.r.nrows() - m;
         stacked.push(tail, |i, j| triangle.r[(m + i, m + j)]);
         rows += equations.rows() * samples - m;
@@ -198,11 +198,7 @@ fn solve(problem: &Problem, centres: Option<&[Vector3]>) -> Result<Reduced, Prob
     )
 }
 
-fn start_momentum(
-    problem: &Problem,
-    equations: Equations,
-    centre: Option<Vector3>,
-) -> StartMomentum {
+fn start_momentum(problem: &Problem, equations: Equations, centre: Option<Vector3>) -> Momentum {
     let given = problem.model.momentum;
     let linear = match equations {
         Equations::Momentum => given.linear,
@@ -218,7 +214,7 @@ fn start_momentum(
         }
         _ => MomentumKnowledge::Estimate,
     };
-    StartMomentum { linear, angular }
+    Momentum { linear, angular }
 }
 
 /// QR of the rows of one segment: chunks side by side, folded in their order. Where no time is left, they stay empty.
@@ -226,12 +222,12 @@ fn reduce(
     setting: &RowSetting,
     problem: &Problem,
     segment: &Segment,
-    start: StartMomentum,
+    start: Momentum,
     noise: &mut [f64],
 ) -> Triangle {
     let impulses = impulse::thrust_impulses(setting.tree, &problem.model.thrusters, segment);
     let samples = segment.samples.time_s.len();
-    let width = start.columns() + setting.parameters.len() + 1;
+    let width = start_columns(&start) + setting.parameters.len() + 1;
     let chunks: Vec<(usize, usize)> = (0..samples)
         .step_by(CHUNK)
         .map(|from| (from, (from + CHUNK).min(samples)))
@@ -281,7 +277,9 @@ fn conclude(
     let regressor_noise: Vec<f64> = (0..m)
         .flat_map(|i| (0..m).map(move |j| noise[i * n + j]))
         .collect();
-    let heads = segments.iter().map(|s| (&s.triangle, s.start.columns()));
+    let heads = segments
+        .iter()
+        .map(|s| (&s.triangle, start_columns(&s.start)));
     let size = longest_column(&parameters, &heads.collect::<Vec<_>>());
     let accuracy = problem.relative_accuracy;
     let spectrum = Spectrum::new(&block, &natural, Some(&regressor_noise), size, accuracy)
@@ -378,7 +376,7 @@ fn segment_chi2(
     reduced: &ReducedSegment,
     x: &[f64],
 ) -> f64 {
-    let h = reduced.start.columns();
+    let h = start_columns(&reduced.start);
     let n = parameters.len();
     let r = &reduced.triangle.r;
     let left: f64 = (h..r.nrows())
@@ -400,7 +398,7 @@ fn start_of(
     x: &[f64],
 ) -> (StartOfSegment, (Vector3, Vector3)) {
     let start = &reduced.start;
-    let conditional = conditional_estimate(&reduced.triangle.r, start.columns(), x);
+    let conditional = conditional_estimate(&reduced.triangle.r, start_columns(start), x);
     let pick = |from: usize, known: MomentumKnowledge| match known {
         MomentumKnowledge::Known(value) => VectorQuantity::known(value, x.len()),
         MomentumKnowledge::Estimate => {
@@ -416,17 +414,15 @@ fn start_of(
     if translation {
         about_mass_centre(problem, parameters, segment, x, &linear, &mut angular);
     }
+    let mut given = problem.model.momentum;
+    // What is known about the mass centre was carried to the inertial origin for the rows.
+    if start.angular == MomentumKnowledge::Estimate {
+        given.angular = MomentumKnowledge::Estimate;
+    }
     let start = StartOfSegment {
         linear,
         angular,
-        linear_given: start.linear,
-        angular_given: match problem.model.momentum.angular {
-            // Known about the mass centre, carried to the inertial origin for the rows.
-            known @ MomentumKnowledge::Known(_) if start.angular != MomentumKnowledge::Estimate => {
-                known
-            }
-            _ => start.angular,
-        },
+        given,
         translation,
     };
     (start, values)

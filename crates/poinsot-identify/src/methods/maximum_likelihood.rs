@@ -37,7 +37,7 @@ use crate::solution::estimate::{ChannelFit, SegmentFit};
 use crate::solution::evidence::{Effect, Remark};
 use crate::solution::solved::{OfLikelihood, Solution, StartOfSegment, VectorQuantity};
 use crate::solution::unobservable_set::UnobservableSet;
-use poinsot_model::{EstimateSet, MomentumKnowledge};
+use poinsot_model::EstimateSet;
 use poinsot_solve::Spectrum;
 use poinsot_spatial::Vector3;
 
@@ -441,9 +441,7 @@ fn followed(experiment: &Experiment, fitted: &Fitted) -> Option<String> {
 
 /// Momentum at the start of every segment.
 fn starts(experiment: &Experiment, fitted: &Fitted) -> Vec<StartOfSegment> {
-    let given = &experiment.problem.model.momentum;
     let x = &fitted.at.x;
-    let translation = experiment.sees_translation;
     let segments = fitted.evaluated.iter().zip(&fitted.at.initial_states);
     let start = |((one, at), unknown): ((&Evaluated, &InitialState), &InitialStateColumns)| {
         let triangle = one.triangle.as_ref();
@@ -458,12 +456,8 @@ fn starts(experiment: &Experiment, fitted: &Fitted) -> Vec<StartOfSegment> {
         StartOfSegment {
             linear: pick(linear, at.P),
             angular: pick(angular, at.h_SScm_N),
-            linear_given: match translation {
-                true => given.linear,
-                false => MomentumKnowledge::Estimate,
-            },
-            angular_given: given.angular,
-            translation,
+            given: experiment.problem.model.momentum,
+            translation: experiment.sees_translation,
         }
     };
     segments.zip(&experiment.unknown).map(start).collect()

@@ -15,7 +15,7 @@ use crate::problem::settings::Settings;
 use crate::solution::estimate::SegmentFit;
 use crate::solution::evidence::Remark;
 use crate::solution::unobservable_set::UnobservableSet;
-use poinsot_model::MomentumKnowledge;
+use poinsot_model::Momentum;
 use poinsot_solve::Spectrum;
 use poinsot_spatial::{Matrix3, Vector3};
 
@@ -61,8 +61,7 @@ impl VectorQuantity {
 pub(crate) struct StartOfSegment {
     pub linear: VectorQuantity,
     pub angular: VectorQuantity,
-    pub linear_given: MomentumKnowledge,
-    pub angular_given: MomentumKnowledge,
+    pub given: Momentum,
     /// Whether any sensor measures translation.
     pub translation: bool,
 }
