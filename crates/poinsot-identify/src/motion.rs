@@ -22,7 +22,7 @@ mod vehicle;
 mod virtual_joints;
 
 use acceleration::ForceScratch;
-pub(crate) use acceleration::{BodyPoint, Moved};
+pub(crate) use acceleration::{BodyPoint, Input};
 pub(crate) use joint_scales::{cubic, cubic_between, joint_scales};
 pub(crate) use mass_loss::impulse_before;
 pub(crate) use poinsot_dynamics::propagation::{

@@ -102,17 +102,19 @@ struct Around {
     point: BodyPoint,
 }
 
-/// An input that is changed.
-#[derive(Clone, Copy)]
-pub(crate) enum Moved {
+/// An input of the motion: of a joint, or the speed of a wheel and its slope.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Input {
     Position(usize),
     Rate(usize),
     Acceleration(usize),
     Wheel(usize),
     WheelRate(usize),
+    /// The slope of a wheel's speed that runs straight: its error moves that of the speed, and nothing else depends on it.
+    Step,
 }
 
-impl Moved {
+impl Input {
     /// Step of a difference: the equations are quadratic over all but a position, and a step of one is exact.
     fn step(self) -> f64 {
         match self {
@@ -142,6 +144,7 @@ impl Moved {
             Self::Acceleration(j) => inputs.accelerations[j] += by,
             Self::Wheel(w) => inputs.wheels[w] += by,
             Self::WheelRate(w) => inputs.wheel_rates[w] += by,
+            Self::Step => {}
         }
     }
 }
@@ -410,14 +413,14 @@ impl Motion<'_> {
     ) {
         let tree = self.vehicle.tree;
         for &(unknown, j, slope) in &inputs.acceleration_changes {
-            let both = Moved::Acceleration(j).both_ways(tree, inputs, ends);
+            let both = Input::Acceleration(j).both_ways(tree, inputs, ends);
             self.add_change((unknown, slope), around, both, moving, columns);
         }
         for change in &self.input_state.changes {
             let joint = change.joint.filter(|c| c.0 < tree.dof());
-            let position = joint.map(|(j, dq, _)| (dq, Moved::Position(j)));
-            let rate = joint.map(|(j, _, drate)| (drate, Moved::Rate(j)));
-            let wheel = change.wheel.map(|(w, speed)| (speed, Moved::Wheel(w)));
+            let position = joint.map(|(j, dq, _)| (dq, Input::Position(j)));
+            let rate = joint.map(|(j, _, drate)| (drate, Input::Rate(j)));
+            let wheel = change.wheel.map(|(w, speed)| (speed, Input::Wheel(w)));
             let all = [position, rate, wheel].into_iter().flatten();
             for (share, moved) in all.filter(|(share, _)| *share != 0.0) {
                 let both = moved.both_ways(tree, inputs, ends);

@@ -33,7 +33,7 @@ mod sparse;
 
 pub(crate) use points::{approximate, increments};
 
-use crate::motion::{Column, Instant, Matrix6x12, Motion, State, matrix, pose_change};
+use crate::motion::{Column, Input, Instant, Matrix6x12, Motion, State, matrix, pose_change};
 use crate::problem::Problem;
 use crate::problem::error_process::ErrorProcess;
 use crate::problem::segment::{InputChannel, InputErrors, Observations, Segment, SensorRecord};
@@ -58,20 +58,6 @@ fn add_internal(modes: &ModeRows, x: &Column, out: &mut Column) {
             *sum += modes.slope(row, column) * size;
         }
     }
-}
-
-/// An input with noise.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Input {
-    Joint(usize),
-    Wheel(usize),
-    /// The slope of a wheel's speed, the input before it: within an interval the speed is a cubic.
-    Slope(usize),
-    /// The same where the speed runs straight: its error moves that of the speed, and nothing else depends on it.
-    Step,
-    /// A joint's rate and its acceleration, in a process with the position, the input before them.
-    Rate(usize),
-    Acceleration(usize),
 }
 
 /// How the errors of inputs go on from grid time to grid time.
@@ -104,6 +90,7 @@ impl Memory {
 
 /// An error of an input.
 struct NoisyInput {
+    /// In a process a joint's rate and its acceleration follow its position, and the slope of a wheel's speed follows the speed.
     of: Input,
     /// Variance of the error; a process has its own.
     variance: f64,
@@ -184,8 +171,8 @@ fn errors_of(input: Input, variance: f64, channel: &InputChannel) -> Vec<NoisyIn
     match &channel.errors {
         InputErrors::Process(process) => {
             let slopes = match input {
-                Input::Joint(joint) => vec![Input::Rate(joint), Input::Acceleration(joint)],
-                Input::Wheel(w) if !channel.acceleration.is_empty() => vec![Input::Slope(w)],
+                Input::Position(joint) => vec![Input::Rate(joint), Input::Acceleration(joint)],
+                Input::Wheel(w) if !channel.acceleration.is_empty() => vec![Input::WheelRate(w)],
                 _ => vec![Input::Step; 2],
             };
             let slopes = slopes.into_iter().take(process.width() - 1);
@@ -226,7 +213,7 @@ impl InputNoise {
         let translation = o.reads_translation() || increments > 0;
         let joints = noise.joint_position.iter().enumerate();
         let wheels = noise.wheel_speed.iter().enumerate();
-        let joints = joints.flat_map(|(k, v)| errors_of(Input::Joint(k), *v, o.joint(k)));
+        let joints = joints.flat_map(|(k, v)| errors_of(Input::Position(k), *v, o.joint(k)));
         let wheels = wheels.flat_map(|(k, v)| errors_of(Input::Wheel(k), *v, o.wheel(k)));
         let inputs: Vec<NoisyInput> = joints.chain(wheels).collect();
         let torque = random_torque.is_some();
@@ -328,9 +315,9 @@ impl InputNoise {
                 let error = errors[k * width + c];
                 o.expected_errors[k * width + c] -= error;
                 match input.of {
-                    Input::Joint(j) => o.joint_position[k * dof + j] += error,
+                    Input::Position(j) => o.joint_position[k * dof + j] += error,
                     Input::Wheel(w) => o.wheel_speed[k * wheels + w] += error * input.share(k),
-                    Input::Rate(_) | Input::Acceleration(_) | Input::Slope(_) | Input::Step => {}
+                    _ => {}
                 }
             }
         }
@@ -395,7 +382,7 @@ impl InputNoise {
             };
         }
         for (c, at_once) in now.at_once.iter().enumerate() {
-            if !matches!(self.inputs[c].of, Input::Joint(_)) {
+            if !matches!(self.inputs[c].of, Input::Position(_)) {
                 continue;
             }
             let at = self.place(c, 0);
@@ -422,7 +409,7 @@ impl InputNoise {
         for (c, input) in self.inputs.iter().enumerate() {
             let at = (state, instant);
             let (position, rate) = match input.of {
-                Input::Joint(j) => {
+                Input::Position(j) => {
                     let slope = &self.slopes.of[j];
                     let dc = slope.first_moment / instant.centre.mass;
                     let change = instant.twist_slope(&slope.position, &dc);
@@ -437,7 +424,7 @@ impl InputNoise {
                     let none = FlexibleChange::of_twist(Vector6::zeros());
                     (motion.followed(at, &gain, None), none)
                 }
-                Input::Slope(_) => {
+                Input::WheelRate(_) => {
                     out.at_once.push(Column::zeros());
                     out.drive.extend_from_within(c - 1..c);
                     continue;
@@ -493,11 +480,11 @@ impl InputNoise {
         let R = matrix(&state.R_NB);
         drives.extend(self.inputs.iter().enumerate().map(|(c, input)| {
             let (mut dF, mut dT) = (Vector3::zeros(), Vector3::zeros());
-            if let Input::Joint(j) = input.of {
+            if let Input::Position(j) = input.of {
                 let first_moment = &self.slopes.of[j].first_moment;
                 (dF, dT) = motion.wrench_change(state, instant, k, j, first_moment);
             }
-            if matches!(input.of, Input::Joint(_) | Input::Wheel(_)) {
+            if matches!(input.of, Input::Position(_) | Input::Wheel(_)) {
                 let dw = self.twists[self.place(c, 0)].fixed_rows::<3>(3).into();
                 dT += motion.drag_change(state, instant, &dw);
             }
@@ -616,7 +603,7 @@ impl InputNoise {
         }
         self.torque_rows(&A, h, &mut upper, &mut torque);
         for (c, input) in self.inputs.iter().enumerate() {
-            let slope = matches!(input.of, Input::Slope(_));
+            let slope = matches!(input.of, Input::WheelRate(_));
             if matches!(input.memory, Memory::Follows) && !slope {
                 let reached = if ahead { 0 } else { self.active.len() };
                 fresh.resize(fresh.len() + reached, 0.0);
@@ -741,7 +728,7 @@ impl InputNoise {
         for (c, input) in self.inputs.iter().enumerate() {
             let own = self.place(c, self.reach as isize);
             let next = self.inputs.get(c + 1);
-            let slope = next.is_some_and(|next| matches!(next.of, Input::Slope(_)));
+            let slope = next.is_some_and(|next| matches!(next.of, Input::WheelRate(_)));
             let of = |count: usize| fresh.get(c * reached..(c + count) * reached);
             let at_once = of(1 + usize::from(slope)).unwrap_or(&[]);
             let (width, new, within) = match &input.memory {

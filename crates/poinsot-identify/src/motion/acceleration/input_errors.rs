@@ -1,6 +1,6 @@
 //! Sensitivity of the specific force at a point to errors of state and inputs.
 
-use super::{Around, BodyPoint, ForceScratch, Moved, RateSlopes};
+use super::{Around, BodyPoint, ForceScratch, Input, RateSlopes};
 use crate::motion::slope_weights;
 use crate::motion::{Column, Instant, Motion, State, matrix};
 use poinsot_spatial::{Matrix3, Vector3, Vector6, angular, linear, stacked};
@@ -99,7 +99,7 @@ impl ForceAround<'_, '_> {
     }
 
     /// An input, the twist held.
-    pub fn input(&mut self, moved: Moved) -> Vector3 {
+    pub fn input(&mut self, moved: Input) -> Vector3 {
         let (tree, scratch) = (self.motion.vehicle.tree, &mut *self.scratch);
         let ends = moved.both_ways(tree, &scratch.inputs, &mut scratch.ends);
         self.motion

@@ -1,7 +1,7 @@
 //! Input errors in accelerometer samples, at several grid times together.
 
-use super::{Filter, Input, InputNoise, SparseRows};
-use crate::motion::{BodyPoint, Instant, Motion, Moved, State};
+use super::{Filter, InputNoise, SparseRows};
+use crate::motion::{BodyPoint, Input, Instant, Motion, State};
 use crate::problem::Problem;
 use crate::problem::segment::{Observations, SensorRecord};
 use poinsot_dynamics::propagation::STATE;
@@ -47,19 +47,16 @@ impl InputNoise {
         for (c, input) in self.inputs.iter().enumerate() {
             let here = self.place(c, 0);
             match input.of {
-                Input::Joint(j) => slopes[here] += around.input(Moved::Position(j)),
                 Input::Step => {}
-                Input::Slope(j) => slopes[here] += around.input(Moved::WheelRate(j)),
-                Input::Rate(j) => slopes[here] += around.input(Moved::Rate(j)),
-                Input::Acceleration(j) => slopes[here] += around.input(Moved::Acceleration(j)),
                 Input::Wheel(j) => {
-                    slopes[here] += around.input(Moved::Wheel(j)) * input.share(k);
-                    let acceleration = around.input(Moved::WheelRate(j));
+                    slopes[here] += around.input(Input::Wheel(j)) * input.share(k);
+                    let acceleration = around.input(Input::WheelRate(j));
                     for (i, w) in around.wheel_weights(j) {
                         let after = i as isize - k as isize;
                         slopes[self.place(c, after)] += acceleration * (w * input.share(i));
                     }
                 }
+                of => slopes[here] += around.input(of),
             }
         }
         if let Some(at) = self.torque_at() {
@@ -72,9 +69,9 @@ impl InputNoise {
     pub fn at_once(&self) -> impl Iterator<Item = (usize, usize, f64, f64)> + '_ {
         let inputs = self.inputs.iter().enumerate();
         inputs.filter_map(|(c, input)| match input.of {
-            Input::Joint(j) => Some((self.place(c, 0), j, 1.0, 0.0)),
+            Input::Position(j) => Some((self.place(c, 0), j, 1.0, 0.0)),
             Input::Rate(j) => Some((self.place(c, 0), j, 0.0, 1.0)),
-            Input::Wheel(_) | Input::Acceleration(_) | Input::Slope(_) | Input::Step => None,
+            _ => None,
         })
     }
 
