@@ -172,7 +172,7 @@ impl Basis {
             .collect();
         let width = of_columns.first().map_or(0, |(basis, _)| basis.len());
         let mut out = ProjectedRows::default();
-        for row in &rows.rows {
+        for row in rows.rows() {
             let mut basis = DVector::zeros(width);
             let mut residual = row.last().copied().unwrap_or(0.0);
             for (x, (own, explained)) in row.iter().zip(&of_columns).filter(|(x, _)| **x != 0.0) {
@@ -266,13 +266,13 @@ fn best(
     let stride = times.div_ceil(TIMES).max(1);
     let margin = (MARGIN * times as f64).ceil() as usize;
     let mut sums = Products::new(columns.len(), first.len());
-    let mut next = rows.of.len();
+    let mut next = rows.measured.len();
     for (place, transition) in rows.transitions.iter().enumerate().rev() {
         let at = transition.at;
-        while next > 0 && rows.of[next - 1].1 >= at {
+        while next > 0 && rows.measured[next - 1].at >= at {
             next -= 1;
-            for i in 3 * next..3 * next + 3 {
-                sums.add(columns, &rows.rows[i], &clear.basis[i], clear.residual[i]);
+            for (i, row) in (3 * next..).zip(&rows.measured[next].rows) {
+                sums.add(columns, row, &clear.basis[i], clear.residual[i]);
             }
         }
         if place % stride != 0 || place < margin || place + margin >= times {

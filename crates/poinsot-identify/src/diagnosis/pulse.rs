@@ -19,7 +19,7 @@ const ALONG: f64 = 0.99;
 
 /// Cumulated impulses up to each time, for the score of any interval.
 struct Pulses<'a> {
-    rows: &'a SegmentRows,
+    rows: &'a SegmentRows<'a>,
     clear: &'a ProjectedRows,
     /// Sum of the impulses up to each transition.
     sums: Vec<DMatrix<f64>>,
@@ -100,7 +100,7 @@ fn thruster<'a>(experiment: &'a Experiment, score: &Score, segment: usize) -> Op
 impl<'a> Pulses<'a> {
     fn new(
         experiment: &Experiment,
-        rows: &'a SegmentRows,
+        rows: &'a SegmentRows<'a>,
         clear: &'a ProjectedRows,
         (segment, t): (usize, &[f64]),
     ) -> Option<Self> {
@@ -126,8 +126,12 @@ impl<'a> Pulses<'a> {
             sum = Some(next);
         }
         let mut place = 0;
-        let places = rows.of.iter().map(|(_, at)| {
-            while rows.transitions.get(place + 1).is_some_and(|t| t.at <= *at) {
+        let places = rows.measured.iter().map(|own| {
+            while rows
+                .transitions
+                .get(place + 1)
+                .is_some_and(|t| t.at <= own.at)
+            {
                 place += 1;
             }
             place
@@ -154,8 +158,8 @@ impl<'a> Pulses<'a> {
             let place = self.places[measurement];
             let part = (place < to).then(|| &self.sums[place] - &self.sums[from]);
             let part = part.as_ref().unwrap_or(&whole);
-            for i in 3 * measurement..3 * measurement + 3 {
-                let own_columns = DVector::from_column_slice(&self.rows.rows[i][..h]);
+            for (i, row) in (3 * measurement..).zip(&self.rows.measured[measurement].rows) {
+                let own_columns = DVector::from_column_slice(&row[..h]);
                 let d = part.tr_mul(&own_columns);
                 square.ger(1.0, &d, &d, 1.0);
                 onto.ger(1.0, &self.clear.basis[i], &d, 1.0);

@@ -9,10 +9,10 @@ use crate::fit::Fitted;
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::known_numbers::{SILENT, shifts};
 use crate::fit::triangle::conditional_estimate;
-use crate::likelihood::{Evaluated, Transition};
+use crate::likelihood::{Evaluated, KeptRow, Transition};
 use crate::problem::parameters::{Parameters, UnknownKind};
 use crate::problem::prior::PriorRow;
-use crate::problem::segment::{BetweenReadings, InputErrors, Noise, Observations};
+use crate::problem::segment::{BetweenReadings, InputErrors, Noise, Observations, SensorRecord};
 use nalgebra::DMatrix;
 use poinsot_dynamics::SensorError;
 use poinsot_solve::{BlockQr, Triangle};
@@ -21,54 +21,57 @@ use rayon::prelude::*;
 
 /// The rows of one segment.
 #[derive(Default)]
-pub(super) struct SegmentRows {
+pub(super) struct SegmentRows<'a> {
     /// Columns of the start.
     pub initial_columns: usize,
-    /// Per measurement: index of the sensor among those compared, and grid time.
-    pub of: Vec<(usize, usize)>,
-    /// Three for each measurement.
-    pub rows: Vec<Vec<f64>>,
+    sensors: &'a [SensorRecord],
+    /// Of each measurement, and of the priors of the start.
+    pub measured: Vec<KeptRow>,
     /// First rows of the triangle of the columns `[start | fitted unknowns | residual]`: those that determine the start.
     pub start_rows: DMatrix<f64>,
     /// How the state at grid times moves with the start.
     pub transitions: Vec<Transition>,
-    pub names: Vec<String>,
-    /// How many of the three numbers of a measurement each sensor gives.
-    numbers: Vec<usize>,
 }
 
-impl SegmentRows {
+impl SegmentRows<'_> {
+    /// All rows, three for each measurement.
+    pub fn rows(&self) -> impl Iterator<Item = &Vec<f64>> {
+        self.measured.iter().flat_map(|m| &m.rows)
+    }
+
+    fn rows_mut(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
+        self.measured.iter_mut().flat_map(|m| &mut m.rows)
+    }
+
     /// The triangle and the count of the rows before a grid time, of the start and the unknowns that were fitted.
     pub fn beginning(&self, base: usize, end: usize) -> Evaluated {
         let fitted = self.initial_columns + base;
-        let kept = self.of.iter().zip(self.rows.chunks_exact(3));
-        let kept = kept.filter(|((_, at), _)| *at < end);
         let mut qr = BlockQr::new(fitted + 1);
         let mut one = Evaluated::default();
-        for ((sensor, _), three) in kept {
+        for own in self.measured.iter().filter(|own| own.at < end) {
             qr.push(3, |i, j| match j == fitted {
-                true => three[i].last().copied().unwrap_or(0.0),
-                false => three[i][j],
+                true => own.rows[i].last().copied().unwrap_or(0.0),
+                false => own.rows[i][j],
             });
-            one.rows += self.numbers.get(*sensor).copied().unwrap_or(0);
+            one.rows += own.sensor.map_or(0, |k| self.sensors[k].kind.numbers());
         }
         one.triangle = Some(qr.finish());
         one
     }
 
-    /// First row, residual and column of an unknown, for each measurement of a sensor.
+    /// Place, residual and column of an unknown, for each measurement of a sensor.
     fn measurements(
         &self,
         sensor: &str,
         unknown: usize,
     ) -> impl Iterator<Item = (usize, Vector3, Vector3)> {
-        let index = self.names.iter().position(|n| n == sensor);
-        let measured = self.of.iter().enumerate();
-        let own = measured.filter(move |(_, of)| Some(of.0) == index);
-        own.map(move |(m, _)| {
-            let three = |k: usize| Vector3::from_fn(|i, _| self.rows[3 * m + i][k]);
-            let residual = three(self.rows[3 * m].len() - 1);
-            (3 * m, residual, three(self.initial_columns + unknown))
+        let index = self.sensors.iter().position(|s| s.name == sensor);
+        let measured = self.measured.iter().enumerate();
+        let own = measured.filter(move |(_, own)| index.is_some() && own.sensor == index);
+        own.map(move |(place, own)| {
+            let three = |k: usize| Vector3::from_fn(|i, _| own.rows[i][k]);
+            let residual = three(own.rows[0].len() - 1);
+            (place, residual, three(self.initial_columns + unknown))
         })
     }
 
@@ -80,16 +83,15 @@ impl SegmentRows {
     /// variable, Reiersol 1945).
     fn take_slopes_from_others(&mut self, unknowns: &[usize], reach: &[(usize, usize)]) {
         let columns: Vec<usize> = unknowns.iter().map(|k| self.initial_columns + k).collect();
-        for sensor in 0..self.names.len() {
-            let all = (0..self.of.len()).filter(|m| self.of[*m].0 == sensor);
-            let all: Vec<usize> = all.collect();
-            let own = |m: &usize| -> Vec<f64> {
-                let three = &self.rows[3 * m..3 * m + 3];
+        for sensor in 0..self.sensors.len() {
+            let all = self.measured.iter_mut();
+            let all: Vec<&mut KeptRow> = all.filter(|m| m.sensor == Some(sensor)).collect();
+            let own = |m: &&mut KeptRow| -> Vec<f64> {
                 let row = |row: &Vec<f64>| columns.iter().map(|c| row[*c]).collect::<Vec<_>>();
-                three.iter().flat_map(row).collect()
+                m.rows.iter().flat_map(row).collect()
             };
             let before: Vec<Vec<f64>> = all.iter().map(own).collect();
-            let times: Vec<usize> = all.iter().map(|m| self.of[*m].1).collect();
+            let times: Vec<usize> = all.iter().map(|m| m.at).collect();
             let others = |i: usize| {
                 let (first, last) = reach[times[i]];
                 let earlier = times.partition_point(|t| *t < first).checked_sub(1);
@@ -106,11 +108,9 @@ impl SegmentRows {
                     (0..3 * columns.len()).map(mean).collect()
                 })
                 .collect();
-            for (m, values) in all.iter().zip(taken) {
-                for (row, values) in self.rows[3 * m..3 * m + 3]
-                    .iter_mut()
-                    .zip(values.chunks_exact(columns.len().max(1)))
-                {
+            for (m, values) in all.into_iter().zip(taken) {
+                let values = values.chunks_exact(columns.len().max(1));
+                for (row, values) in m.rows.iter_mut().zip(values) {
                     for (c, value) in columns.iter().zip(values) {
                         row[*c] = *value;
                     }
@@ -190,7 +190,7 @@ pub(super) struct Table<'a> {
     /// Columns of the fit.
     pub base: usize,
     /// Empty where the record is too long.
-    pub segments: Vec<SegmentRows>,
+    pub segments: Vec<SegmentRows<'a>>,
 }
 
 impl<'a> Table<'a> {
@@ -250,8 +250,7 @@ impl<'a> Table<'a> {
         let (extended, at) = self.extended(own);
         let mut wide = experiment.with_parameters(&extended);
         wide.keep_rows = true;
-        let mut evaluated = wide.evaluate(&at, true)?;
-        self.hold(&mut evaluated);
+        self.hold(wide.evaluate(&at, true)?);
         self.silence(own);
         self.derive();
         let is_late = |k: &usize| extended.unknowns[*k].kind.is_delay();
@@ -288,23 +287,16 @@ impl<'a> Table<'a> {
     }
 
     /// Moves the kept rows.
-    fn hold(&mut self, evaluated: &mut [Evaluated]) {
-        for (one, unknown) in evaluated.iter_mut().zip(&self.experiment.unknown) {
-            let kept = std::mem::take(&mut one.kept);
-            let sensors: Vec<usize> = one.channels.iter().map(|c| c.sensor).collect();
-            let mut own = SegmentRows {
+    fn hold(&mut self, evaluated: Vec<Evaluated>) {
+        let segments = self.experiment.problem.segments.iter().zip(evaluated);
+        for ((segment, one), unknown) in segments.zip(&self.experiment.unknown) {
+            self.segments.push(SegmentRows {
                 initial_columns: unknown.count(),
-                transitions: kept.transitions,
+                sensors: &segment.observations.sensors,
+                measured: one.kept.rows,
+                transitions: one.kept.transitions,
                 ..SegmentRows::default()
-            };
-            for row in kept.rows {
-                let sensor = sensors.iter().position(|s| Some(*s) == row.sensor);
-                own.of.push((sensor.unwrap_or(usize::MAX), row.at));
-                own.rows.extend(row.rows);
-            }
-            own.names = one.channels.iter().map(|c| c.name.clone()).collect();
-            own.numbers = one.channels.iter().map(|c| c.numbers).collect();
-            self.segments.push(own);
+            });
         }
     }
 
@@ -316,7 +308,7 @@ impl<'a> Table<'a> {
             first..first + own.len()
         };
         for one in &self.segments {
-            for row in &one.rows {
+            for row in one.rows() {
                 let values = squares.iter_mut().zip(&row[columns(one)]);
                 values.for_each(|(sum, x)| *sum += x * x);
             }
@@ -326,7 +318,7 @@ impl<'a> Table<'a> {
         let silent: Vec<usize> = silent.map(|(k, _)| k).collect();
         for one in self.segments.iter_mut().filter(|_| !silent.is_empty()) {
             let first = columns(one).start;
-            for row in &mut one.rows {
+            for row in one.rows_mut() {
                 silent.iter().for_each(|k| row[first + k] = 0.0);
             }
         }
@@ -343,12 +335,12 @@ impl<'a> Table<'a> {
             let segments = self.experiment.problem.segments;
             for (own, segment) in self.segments.iter_mut().zip(segments) {
                 let t = &segment.observations.time_s;
-                for (three, (_, at)) in own.rows.chunks_exact_mut(3).zip(&own.of) {
-                    for row in three {
+                for measured in &mut own.measured {
+                    for row in &mut measured.rows {
                         let residual = row.pop().unwrap_or(0.0);
                         let value =
                             |p: Option<usize>| p.map_or(0.0, |p| row[own.initial_columns + p]);
-                        let drift = places.map(value).map(|d| d * (t[*at] - t[0]));
+                        let drift = places.map(value).map(|d| d * (t[measured.at] - t[0]));
                         row.extend(drift);
                         row.push(residual);
                     }
@@ -379,23 +371,26 @@ impl<'a> Table<'a> {
         let mut weighted = Vec::new();
         for segment in &self.segments {
             let fitted = segment.initial_columns + self.base;
-            let mut rows = segment.rows.clone();
-            for (first, _, slope) in segment.measurements(sensor, unknown) {
-                let W = weight(&slope);
-                let own: [Vec<f64>; 3] = std::array::from_fn(|axis| {
-                    let value = |j: usize| (0..3).map(|k| W[(axis, k)] * rows[first + k][j]).sum();
-                    (0..rows[first].len()).map(value).collect()
-                });
-                rows[first..first + 3].clone_from_slice(&own);
+            let mut all: Vec<Vec<Vec<f64>>> =
+                segment.measured.iter().map(|m| m.rows.clone()).collect();
+            for (place, _, slope) in segment.measurements(sensor, unknown) {
+                let (W, rows) = (weight(&slope), &segment.measured[place].rows);
+                let along = |axis: usize| -> Vec<f64> {
+                    let value = |j: usize| (0..3).map(|k| W[(axis, k)] * rows[k][j]).sum();
+                    (0..rows[0].len()).map(value).collect()
+                };
+                all[place] = (0..3).map(along).collect();
             }
             let mut qr = BlockQr::new(fitted + 1);
-            qr.push(rows.len(), |i, j| match j == fitted {
-                true => rows[i].last().copied().unwrap_or(0.0),
-                false => rows[i][j],
-            });
+            for rows in &all {
+                qr.push(3, |i, j| match j == fitted {
+                    true => rows[i].last().copied().unwrap_or(0.0),
+                    false => rows[i][j],
+                });
+            }
             let (r, h) = (qr.finish().r, segment.initial_columns);
             stacked.push(r.nrows().saturating_sub(h), |i, j| r[(h + i, h + j)]);
-            weighted.push((segment, rows, r));
+            weighted.push((segment, all, r));
         }
         let shared = conditional_estimate(&stacked.finish().r, self.base, &[]).mean;
         let mut left = Vec::new();
@@ -407,7 +402,7 @@ impl<'a> Table<'a> {
                 row.last().copied().unwrap_or(0.0) - told
             };
             let own = segment.measurements(sensor, unknown);
-            left.extend(own.map(|(first, ..)| Vector3::from_fn(|i, _| of_row(&rows[first + i]))));
+            left.extend(own.map(|(place, ..)| Vector3::from_fn(|i, _| of_row(&rows[place][i]))));
         }
         left
     }
@@ -421,12 +416,10 @@ impl<'a> Table<'a> {
         for (s, own) in self.segments.iter().enumerate() {
             let mut qr = BlockQr::new(own.initial_columns + base + all + 1);
             let candidate = own.initial_columns + base..own.initial_columns + base + all;
-            qr.push(own.rows.len(), |i, j| {
-                match candidate.contains(&j) && only.is_some_and(|only| only != s) {
-                    true => 0.0,
-                    false => own.rows[i][j],
-                }
-            });
+            let is_out = |j: usize| candidate.contains(&j) && only.is_some_and(|only| only != s);
+            for of in &own.measured {
+                qr.push(3, |i, j| if is_out(j) { 0.0 } else { of.rows[i][j] });
+            }
             let r = qr.finish().r;
             let h = own.initial_columns;
             stacked.push(r.nrows().saturating_sub(h), |i, j| r[(h + i, h + j)]);
@@ -447,7 +440,7 @@ impl<'a> Table<'a> {
     pub fn changes(mut self, from: &Self) -> Projected {
         for (own, from) in self.segments.iter_mut().zip(&from.segments) {
             let first = from.initial_columns + self.base;
-            for (own, from) in own.rows.iter_mut().zip(&from.rows) {
+            for (own, from) in own.rows_mut().zip(from.rows()) {
                 own[..first].copy_from_slice(&from[..first]);
                 let changed = own[first..].iter_mut().zip(&from[first..]);
                 changed.for_each(|(own, from)| *own -= from);
