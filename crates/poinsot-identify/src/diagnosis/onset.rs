@@ -8,7 +8,7 @@
 use super::candidates::sensors_read;
 use super::projected::SHOWN;
 use super::pulse::pulse;
-use super::score::{Best, ProjectedRows, Score, explained, momentum_jump, of_record};
+use super::score::{Best, Products, ProjectedRows, Score, explained, momentum_jump, of_record};
 use super::suspects::Scored;
 use super::table::{SegmentRows, Table};
 use super::types::FaultKind;
@@ -219,37 +219,6 @@ fn solved(r: &DMatrix<f64>, row: &[f64]) -> DVector<f64> {
     x
 }
 
-/// Products of the columns behind a time.
-struct Products {
-    /// With themselves, with the basis of all that was fitted, and with the residual.
-    square: DMatrix<f64>,
-    onto: DMatrix<f64>,
-    toward: DVector<f64>,
-    row: DVector<f64>,
-}
-
-impl Products {
-    fn new(columns: usize, basis: usize) -> Self {
-        Self {
-            square: DMatrix::zeros(columns, columns),
-            onto: DMatrix::zeros(basis, columns),
-            toward: DVector::zeros(columns),
-            row: DVector::zeros(columns),
-        }
-    }
-
-    fn add(&mut self, columns: &[Summed], row: &[f64], basis: &DVector<f64>, residual: f64) {
-        for (x, of) in self.row.iter_mut().zip(columns) {
-            *x = of.iter().map(|k| row[*k]).sum();
-        }
-        for (j, x) in self.row.iter().enumerate().filter(|(_, x)| **x != 0.0) {
-            self.square.column_mut(j).axpy(*x, &self.row, 1.0);
-            self.onto.column_mut(j).axpy(*x, basis, 1.0);
-            self.toward[j] += x * residual;
-        }
-    }
-}
-
 /// For each fault the time from which it explains most.
 fn best(
     kinds: &[Onset],
@@ -259,26 +228,28 @@ fn best(
     segment: usize,
 ) -> Vec<Best<usize>> {
     let mut found: Vec<Best<usize>> = kinds.iter().map(|_| Best::default()).collect();
-    let Some(first) = clear.basis.first() else {
+    if clear.basis.is_empty() {
         return found;
-    };
+    }
     let times = rows.transitions.len();
     let stride = times.div_ceil(TIMES).max(1);
     let margin = (MARGIN * times as f64).ceil() as usize;
-    let mut sums = Products::new(columns.len(), first.len());
+    let mut sums = Products::new(columns.len(), clear);
     let mut next = rows.measured.len();
     for (place, transition) in rows.transitions.iter().enumerate().rev() {
         let at = transition.at;
         while next > 0 && rows.measured[next - 1].at >= at {
             next -= 1;
             for (i, row) in (3 * next..).zip(&rows.measured[next].rows) {
-                sums.add(columns, row, &clear.basis[i], clear.residual[i]);
+                let summed = |of: &Summed| -> f64 { of.iter().map(|k| row[*k]).sum() };
+                let d = DVector::from_iterator(columns.len(), columns.iter().map(summed));
+                sums.add(&d, clear, i);
             }
         }
         if place % stride != 0 || place < margin || place + margin >= times {
             continue;
         }
-        let left = &sums.square - sums.onto.tr_mul(&sums.onto);
+        let left = sums.left();
         for (onset, found) in kinds.iter().zip(&mut found) {
             let (first, m) = (onset.columns.start, onset.columns.len());
             let part = |all: &DMatrix<f64>| all.view((first, first), (m, m)).into_owned();

@@ -4,7 +4,7 @@
 //! to every time at hand, each row of a pulse is one product. Durations are tried by halves, then both ends of the best
 //! are moved.
 
-use super::score::{Best, ProjectedRows, Score, explained, momentum_jump, of_record};
+use super::score::{Best, Products, ProjectedRows, Score, explained, momentum_jump, of_record};
 use super::suspects::Scored;
 use super::table::SegmentRows;
 use super::types::FaultKind;
@@ -104,8 +104,7 @@ impl<'a> Pulses<'a> {
         clear: &'a ProjectedRows,
         (segment, t): (usize, &[f64]),
     ) -> Option<Self> {
-        let mut sums = Vec::with_capacity(rows.transitions.len());
-        let mut sum: Option<DMatrix<f64>> = None;
+        let mut sums: Vec<DMatrix<f64>> = Vec::with_capacity(rows.transitions.len());
         let mut before = None;
         for transition in &rows.transitions {
             let one = momentum_jump(&transition.start, experiment, segment)?;
@@ -118,12 +117,10 @@ impl<'a> Pulses<'a> {
             });
             let step = before.map_or(0.0, |b: usize| t[transition.at] - t[b]);
             before = Some(transition.at);
-            let next = match sum {
+            sums.push(match sums.last() {
                 Some(sum) => sum + &turned * step,
                 None => DMatrix::zeros(one.nrows(), one.ncols()),
-            };
-            sums.push(next.clone());
-            sum = Some(next);
+            });
         }
         let mut place = 0;
         let places = rows.measured.iter().map(|own| {
@@ -148,10 +145,7 @@ impl<'a> Pulses<'a> {
     /// Score of a pulse between two transitions.
     fn score(&self, from: usize, to: usize) -> Score {
         let (h, m) = self.sums[0].shape();
-        let p = self.clear.basis.first().map_or(0, DVector::len);
-        let mut square = DMatrix::<f64>::zeros(m, m);
-        let mut onto = DMatrix::<f64>::zeros(p, m);
-        let mut toward = DVector::<f64>::zeros(m);
+        let mut sums = Products::new(m, self.clear);
         let whole = &self.sums[to] - &self.sums[from];
         let begin = self.places.partition_point(|place| *place <= from);
         for measurement in begin..self.places.len() {
@@ -160,13 +154,9 @@ impl<'a> Pulses<'a> {
             let part = part.as_ref().unwrap_or(&whole);
             for (i, row) in (3 * measurement..).zip(&self.rows.measured[measurement].rows) {
                 let own_columns = DVector::from_column_slice(&row[..h]);
-                let d = part.tr_mul(&own_columns);
-                square.ger(1.0, &d, &d, 1.0);
-                onto.ger(1.0, &self.clear.basis[i], &d, 1.0);
-                toward.axpy(self.clear.residual[i], &d, 1.0);
+                sums.add(&part.tr_mul(&own_columns), self.clear, i);
             }
         }
-        let left = &square - onto.tr_mul(&onto);
-        explained(&left, &square, &toward)
+        explained(&sums.left(), &sums.square, &sums.toward)
     }
 }

@@ -14,6 +14,39 @@ pub(super) struct ProjectedRows {
     pub residual: Vec<f64>,
 }
 
+/// Products of columns.
+pub(super) struct Products {
+    /// With themselves, with the basis of all that was fitted, and with the residual.
+    pub square: DMatrix<f64>,
+    onto: DMatrix<f64>,
+    pub toward: DVector<f64>,
+}
+
+impl Products {
+    pub fn new(columns: usize, clear: &ProjectedRows) -> Self {
+        let basis = clear.basis.first().map_or(0, DVector::len);
+        Self {
+            square: DMatrix::zeros(columns, columns),
+            onto: DMatrix::zeros(basis, columns),
+            toward: DVector::zeros(columns),
+        }
+    }
+
+    /// Adds a row of the columns, the i-th of the segment.
+    pub fn add(&mut self, row: &DVector<f64>, clear: &ProjectedRows, i: usize) {
+        for (j, x) in row.iter().enumerate().filter(|(_, x)| **x != 0.0) {
+            self.square.column_mut(j).axpy(*x, row, 1.0);
+            self.onto.column_mut(j).axpy(*x, &clear.basis[i], 1.0);
+            self.toward[j] += x * clear.residual[i];
+        }
+    }
+
+    /// The columns with themselves, clear of the basis.
+    pub fn left(&self) -> DMatrix<f64> {
+        &self.square - self.onto.tr_mul(&self.onto)
+    }
+}
+
 pub(super) struct Score {
     pub decrease: f64,
     pub numbers: usize,
