@@ -39,18 +39,10 @@ pub(super) struct Candidate {
     pub name: String,
     pub fault: FaultKind,
     pub unknowns: Vec<Unknown>,
-    pub columns: Columns,
-}
-
-/// Source of a candidate's columns.
-#[derive(Debug, Clone)]
-pub(super) enum Columns {
-    /// The unknowns have slopes of their own.
-    Slopes,
-    /// Those of an unknown that moves the predictions alike, one for each. Not tried where the record is too long to be held.
-    Twins(Vec<Twin>),
-    /// Those of the errors of a sensor, times the time since the start of the record.
-    Ramp { sensor: usize },
+    /// What its columns are the slopes of: an unknown for each.
+    pub twins: Vec<Twin>,
+    /// In place of these the sensor whose bias has the columns, times the time since the start of the record.
+    pub ramp: Option<usize>,
 }
 
 /// An unknown that moves the predictions as a number of a candidate does.
@@ -65,21 +57,22 @@ impl Candidate {
     /// The fault of a group of the registry.
     pub fn of(entries: Vec<Entry>) -> Option<Self> {
         let first = entries.first()?;
-        let shows = matches!(
-            first.unknown.kind,
-            UnknownKind::Firing { .. } | UnknownKind::JointPlay(_)
-        );
         let (name, fault) = (first.hypothesis.clone(), first.fault);
         let unknowns: Vec<Unknown> = entries.into_iter().map(|e| e.unknown).collect();
         Some(Self {
             name,
             fault,
-            columns: match shows {
-                true => Columns::Twins(unknowns.iter().map(Twin::itself).collect()),
-                false => Columns::Slopes,
-            },
+            twins: unknowns.iter().map(Twin::itself).collect(),
+            ramp: None,
             unknowns,
         })
+    }
+
+    /// Whether it is tried where the record is too long for the rows to be held.
+    pub fn is_tried_in_parts(&self) -> bool {
+        use UnknownKind::{Changed, Firing, JointPlay};
+        let needs_rows = |u: &Unknown| matches!(u.kind, Changed | Firing { .. } | JointPlay(_));
+        !self.unknowns.iter().any(needs_rows)
     }
 
     /// Whether it is scored with others at once: lags of sensors, the force and the torque of a drift.
@@ -132,7 +125,7 @@ pub(super) fn candidates(experiment: &Experiment, fitted: &Fitted) -> (Vec<Candi
         list.extend(of_known_numbers(experiment, &fitted.at, numbers));
         list.extend(drifts);
     } else {
-        list.retain(|c| matches!(c.columns, Columns::Slopes));
+        list.retain(Candidate::is_tried_in_parts);
         list.extend(rotors);
     }
     (list, held)
@@ -247,7 +240,8 @@ fn of_rotors(experiment: &Experiment) -> Vec<Candidate> {
         Some(Candidate {
             name: format!("a geared rotor in {}", joint.name),
             fault: FaultKind::GearedRotor,
-            columns: Columns::Twins(vec![Twin::itself(&twin)]),
+            twins: vec![Twin::itself(&twin)],
+            ramp: None,
             unknowns: vec![number],
         })
     };
@@ -349,7 +343,8 @@ fn of_drifts(experiment: &Experiment) -> Vec<Candidate> {
             name: format!("a drift of the bias of the {}", name.replace('_', " ")),
             fault: FaultKind::BiasDrift,
             unknowns: (0..3).map(number).collect(),
-            columns: Columns::Ramp { sensor },
+            twins: Vec::new(),
+            ramp: Some(sensor),
         })
     };
     let read = sensors_read(experiment.problem).into_iter();
@@ -436,7 +431,8 @@ fn of_known_numbers(
                 name: format!("another {what} than known"),
                 fault: FaultKind::KnownNumber,
                 unknowns: components.clone().map(unknown).collect(),
-                columns: Columns::Twins(components.map(twin_of).collect()),
+                twins: components.map(twin_of).collect(),
+                ramp: None,
             }
         })
         .collect()

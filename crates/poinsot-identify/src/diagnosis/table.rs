@@ -3,7 +3,7 @@
 //! A row is `[start of the segment | fitted unknowns | candidates | residual]`. A record too long to be held keeps the
 //! triangle of the candidates that have slopes of their own; the others are not tried there.
 
-use super::candidates::{Candidate, Columns, Twin};
+use super::candidates::{Candidate, Twin};
 use super::projected::Projected;
 use crate::fit::Fitted;
 use crate::fit::experiment::{Experiment, Iterate};
@@ -211,7 +211,7 @@ impl<'a> Table<'a> {
             base: experiment.parameters.len(),
             segments: Vec::new(),
         };
-        let own: Vec<Twin> = candidates.iter().flat_map(own_columns).collect();
+        let own: Vec<Twin> = candidates.iter().flat_map(|c| c.twins.clone()).collect();
         match most {
             None => table.add_rows(&own)?,
             Some(most) => {
@@ -326,11 +326,7 @@ impl<'a> Table<'a> {
 
     /// Puts the columns that are made of others between the candidates and the residual.
     fn derive(&mut self) {
-        let drifts = self.candidates.iter().filter_map(|c| match c.columns {
-            Columns::Ramp { sensor } => Some(sensor),
-            _ => None,
-        });
-        for sensor in drifts {
+        for sensor in self.candidates.iter().filter_map(|c| c.ramp) {
             let places = [0, 1, 2].map(|axis| self.place(sensor, SensorError::Bias(axis)));
             let segments = self.experiment.problem.segments;
             for (own, segment) in self.segments.iter_mut().zip(segments) {
@@ -535,15 +531,6 @@ fn groups(candidates: &[Candidate], most: usize) -> Vec<Vec<usize>> {
         }
     }
     groups
-}
-
-/// What the evaluation itself gives columns to.
-fn own_columns(candidate: &Candidate) -> Vec<Twin> {
-    match &candidate.columns {
-        Columns::Slopes => candidate.unknowns.iter().map(Twin::itself).collect(),
-        Columns::Twins(twins) => twins.clone(),
-        Columns::Ramp { .. } => Vec::new(),
-    }
 }
 
 #[cfg(test)]

@@ -148,7 +148,7 @@ fn exact_groups_have_the_scores_of_one() {
         let experiment = Experiment::new(&problem, &parameters);
         let fitted = fit_from(&experiment, experiment.nominal_point(), 0).unwrap();
         let mut list = candidates(&experiment, &fitted).0;
-        list.retain(|c| matches!(c.columns, Columns::Slopes));
+        list.retain(Candidate::is_tried_in_parts);
         let table = |most| Table::new(&experiment, &fitted, &list, Some(most)).unwrap();
         let (whole, parts) = (table(usize::MAX), table(4));
         assert!(whole.groups.len() == 1 && parts.groups.len() > 4);
