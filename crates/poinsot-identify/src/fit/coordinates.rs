@@ -170,11 +170,8 @@ impl PhysicalBodies {
         let y: Vec<f64> = (0..n).map(|k| target[k] + u[k] / weight[k]).collect();
         let each = along.iter().zip(&spectrum.singular).zip(&y);
         let lowered: f64 = each.map(|((b, s), y)| b * b - (b - s * y).powi(2)).sum();
-        let step = (0..n)
-            .map(|i| (0..n).map(|k| spectrum.directions[(i, k)] * y[k]).sum())
-            .collect();
         // The best step may lower more by the excess of this one.
-        (step, lowered + excess)
+        (spectrum.combined(0..n, |k| y[k]), lowered + excess)
     }
 }
 

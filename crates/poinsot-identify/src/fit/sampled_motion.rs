@@ -508,15 +508,6 @@ impl InputSamples<'_> {
         })
     }
 
-    /// Its mean.
-    fn mean(&self, sizes: &[f64]) -> Option<InputMean> {
-        Some(match self.numbers() {
-            2 => self.start::<2>(sizes)?.forward(|_| ()),
-            3 => self.start::<3>(sizes)?.forward(|_| ()),
-            _ => self.start::<4>(sizes)?.forward(|_| ()),
-        })
-    }
-
     /// What all samples hold of the first state, and the way back to it.
     fn backward<const N: usize>(&self, sizes: &[f64], level: f64) -> (Information<N>, Path<N>) {
         let n = self.time_s.len();
@@ -591,19 +582,15 @@ impl InputSamples<'_> {
 
     /// The posterior that the samples make most probable, and its standard deviations of the changes.
     pub fn most_probable(&self) -> Option<(InputPosterior, Vec<f64>)> {
-        self.with_tails(self.most_probable_size()?)
-    }
-
-    /// The size of normal changes that the samples make most probable.
-    fn most_probable_size(&self) -> Option<f64> {
         match self.numbers() {
-            2 => self.most_probable_size_of::<2>(),
-            3 => self.most_probable_size_of::<3>(),
-            _ => self.most_probable_size_of::<4>(),
+            2 => self.with_tails::<2>(self.most_probable_size::<2>()?),
+            3 => self.with_tails::<3>(self.most_probable_size::<3>()?),
+            _ => self.with_tails::<4>(self.most_probable_size::<4>()?),
         }
     }
 
-    fn most_probable_size_of<const N: usize>(&self) -> Option<f64> {
+    /// The size of normal changes that the samples make most probable.
+    fn most_probable_size<const N: usize>(&self) -> Option<f64> {
         let count = self.changes.iter().filter(|c| **c > 0.0).count().max(1);
         let span = self.time_s.last()? - self.time_s.first()?;
         let (noise, rate) = (self.noise()?, count as f64 / span);
@@ -633,7 +620,7 @@ impl InputSamples<'_> {
     /// The posterior with changes of Student's t-distribution, from that of normal ones: each change has a size of its own,
     /// renewed from the mean squares of those about it (Lange, Little and Taylor 1989). When exactly a slope changed between
     /// two samples they do not tell, so that neighbours share a size.
-    fn with_tails(&self, mut size: f64) -> Option<(InputPosterior, Vec<f64>)> {
+    fn with_tails<const N: usize>(&self, mut size: f64) -> Option<(InputPosterior, Vec<f64>)> {
         let mut sizes = vec![size; self.time_s.len()];
         let places = self.changes.iter().enumerate().skip(1);
         let places: Vec<usize> = places.filter(|(_, c)| **c > 0.0).map(|(k, _)| k).collect();
@@ -643,7 +630,7 @@ impl InputSamples<'_> {
             Changes::SlopeAtTimes | Changes::Acceleration => SHARED,
         };
         for _ in 0..RENEWALS {
-            let found = self.mean(&sizes)?;
+            let found = self.start::<N>(&sizes)?.forward(|_| ());
             let of = self.of.count() as f64;
             let square = |k: &usize| found.squares[*k] / (of * self.changes[*k].powi(2));
             let own: Vec<f64> = places.iter().map(square).collect();
@@ -665,7 +652,7 @@ impl InputSamples<'_> {
                 break;
             }
         }
-        Some((self.posterior(&sizes)?, sizes))
+        Some((self.posterior_of::<N>(&sizes)?, sizes))
     }
 }
 
@@ -774,11 +761,7 @@ impl JointMotion {
         let nothing = with_values(positions, |_| 0.0);
         let part = |value: fn(&InputSample) -> f64| {
             let samples = in_order(&nothing, &with_values(rates, value));
-            InputSamples {
-                samples: &samples,
-                ..of
-            }
-            .mean(&sizes)
+            Some(posterior(&samples)?.mean)
         };
         let mut of_rates = Vec::new();
         if !rates.is_empty() {
@@ -1161,7 +1144,7 @@ mod tests {
             of: Changes::SlopeAtTimes,
             samples: &samples,
         };
-        let size = all.most_probable_size().unwrap();
+        let size = all.most_probable_size::<2>().unwrap();
         // 600 changes: their size is known to 3 %, and less by what noise hides of them.
         assert!((size / change - 1.0).abs() < 0.2, "{size}");
     }

@@ -37,7 +37,11 @@ pub(crate) struct StepError {
     pub answer: f64,
     /// Of all predictions together, in their noise.
     pub predictions: f64,
-    sensitivities: SensitivityChange,
+    /// Of the lengths `|S v|` of the whitened sensitivities of the mass properties, v in natural units: of identified
+    /// directions, the largest relative one.
+    identified: f64,
+    /// Of the others, the largest one in units of the smallest singular value of an identified direction.
+    unidentified: f64,
 }
 
 impl StepError {
@@ -48,15 +52,11 @@ impl StepError {
 
     /// The largest part of the error in units of its limit.
     fn excess(&self, limits: &IntegrationSettings) -> f64 {
-        let SensitivityChange {
-            identified,
-            unidentified,
-        } = self.sensitivities;
         let parts = [
             (self.answer, limits.answer_sigmas),
             (self.predictions, limits.predictions_sigmas),
-            (identified, limits.sensitivities),
-            (unidentified, limits.unidentified),
+            (self.identified, limits.sensitivities),
+            (self.unidentified, limits.unidentified),
         ];
         parts
             .iter()
@@ -72,7 +72,7 @@ impl StepError {
     pub fn message(&self) -> String {
         format!(
             "halving the integration step changes the estimate by {:.2} sigma and its sensitivities by {:.1e}, which the covariance does not include; sample faster, or check the wheel momentum",
-            self.answer, self.sensitivities.identified
+            self.answer, self.identified
         )
     }
 }
@@ -126,32 +126,21 @@ fn step_error(experiment: &Experiment, fitted: &Fitted) -> Option<StepError> {
         return Some(StepError {
             answer: predictions,
             predictions,
-            sensitivities: SensitivityChange {
-                identified: bound,
-                unidentified: bound,
-            },
+            identified: bound,
+            unidentified: bound,
         });
     }
     let here = finer.linearise(&fitted.at)?;
     Some(StepError {
         answer: shift(experiment, fitted, &here),
         predictions,
-        sensitivities: SensitivityChange::of(&fitted.spectrum, &here.rows.shared.block()),
+        ..StepError::of_sensitivities(&fitted.spectrum, &here.rows.shared.block())
     })
 }
 
-/// Change of the lengths `|S v|` of the whitened sensitivities of the mass properties, v in natural units.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct SensitivityChange {
-    /// Of identified directions, the largest relative one.
-    identified: f64,
-    /// Of the others, the largest one in units of the smallest singular value of an identified direction.
-    unidentified: f64,
-}
-
-impl SensitivityChange {
+impl StepError {
     /// From a spectrum to another triangle of the same unknowns.
-    fn of(spectrum: &Spectrum, triangle: &Mat<f64>) -> Self {
+    fn of_sensitivities(spectrum: &Spectrum, triangle: &Mat<f64>) -> Self {
         let (n, rank) = (spectrum.natural.len(), spectrum.rank);
         let scaled = Mat::from_fn(n, n, |i, j| triangle[(i, j)] * spectrum.natural[j]);
         let lengths = |columns: Range<usize>, unit: &dyn Fn(usize) -> f64| -> Vec<f64> {
@@ -174,6 +163,8 @@ impl SensitivityChange {
         let ratios: Vec<f64> = ratios.iter().map(|ratio| ratio - 1.0).collect();
         let outside = largest(&lengths(rank..n, &|_| 1.0)) - largest(&spectrum.singular[rank..]);
         Self {
+            answer: 0.0,
+            predictions: 0.0,
             identified: largest(&ratios),
             unidentified: outside.abs() / spectrum.smallest_singular_value(),
         }
@@ -242,13 +233,13 @@ mod tests {
     #[test]
     fn exact_change_of_sensitivities_is_relative_where_identified() {
         let same = mat![[50.0, 0.0, 0.0], [0.0, -5.0, 0.0], [0.0, 0.0, 0.05]];
-        let found = SensitivityChange::of(&spectrum(), &same);
+        let found = StepError::of_sensitivities(&spectrum(), &same);
         assert!(
             found.identified < 1e-14 && found.unidentified < 1e-14,
             "{found:?}"
         );
         let other = mat![[50.0, 0.0, 0.0], [0.0, 5.02, 0.0], [0.0, 0.0, 1.05]];
-        let found = SensitivityChange::of(&spectrum(), &other);
+        let found = StepError::of_sensitivities(&spectrum(), &other);
         // 0.02 of 5, and 2 of 10 by halves of the natural unit.
         assert!((found.identified - 0.004).abs() < 1e-12, "{found:?}");
         assert!((found.unidentified - 0.2).abs() < 1e-12, "{found:?}");
@@ -260,10 +251,8 @@ mod tests {
         let error = |identified, unidentified| StepError {
             answer: 0.01,
             predictions: 0.02,
-            sensitivities: SensitivityChange {
-                identified,
-                unidentified,
-            },
+            identified,
+            unidentified,
         };
         assert!(error(9e-4, 0.09).is_small(&limits));
         assert!(!error(2e-3, 0.0).is_small(&limits));
