@@ -216,10 +216,11 @@ fn evaluate_driven(
         initial_state,
         (samples, setting.split),
     )?;
-    // One direction alone does not determine the rotation about itself.
+    // One direction alone does not determine the rotation about itself: a weak prior of an unmeasured initial attitude.
     if unknown.attitude && !segment.observations.reads(SensorKind::Attitude) {
         let from = segment.samples.R_NB.first().copied().unwrap_or_default();
-        compare.weak_attitude(&(from.inverse() * initial_state.R_NB));
+        let turn = (from.inverse() * initial_state.R_NB).scaled_axis();
+        compare.weak_start(0, &-turn, &Vector3::repeat(PI));
     }
     compare.weak_modes(initial_state);
     compare.finish()
@@ -426,13 +427,7 @@ impl<'a> SegmentComparison<'a> {
         Some(qr.finish())
     }
 
-    /// A weak prior of an unmeasured initial attitude, for motions that do not determine it. `turn` takes the axes of
-    /// that one to those in hand.
-    fn weak_attitude(&mut self, turn: &UnitQuaternion) {
-        self.weak_start(0, &-turn.scaled_axis(), &Vector3::repeat(PI));
-    }
-
-    /// The same for modes that no sensor sees: a wide prior of what they are at the start.
+    /// A wide prior of what modes that no sensor sees are at the start.
     fn weak_modes(&mut self, start: &InitialState) {
         let setting = self.setting;
         let inertia = setting.parameters.nominal.iter();

@@ -349,7 +349,9 @@ impl<'a> Experiment<'a> {
         if !self.parameters.has_known() {
             return self.spectrum(shared, evaluated);
         }
-        let exact = self.spectrum(&SharedTriangle::exact(self.parameters, stacked), evaluated)?;
+        let (_, kept) = self.parameters.without_known();
+        let exact = SharedTriangle::of_columns(self.parameters, stacked, kept, &[]);
+        let exact = self.spectrum(&exact, evaluated)?;
         Spectrum::within(&shared.block(), None, &exact).map_err(not_finite)
     }
 

@@ -72,12 +72,6 @@ impl SharedTriangle {
             .sum()
     }
 
-    /// The same with every known number held at its value.
-    pub fn exact(parameters: &Parameters, stacked: &Triangle) -> Self {
-        let (_, kept) = parameters.without_known();
-        Self::of_columns(parameters, stacked, kept, &[])
-    }
-
     /// Triangle of the mass properties.
     pub fn block(&self) -> Mat<f64> {
         let b = self.nuisances;

@@ -4,7 +4,7 @@
 //! one (`diagnosis/oscillation.rs`), and with further ones as long as each lowers chi-square by more than its numbers can by
 //! chance; then with the slopes of their inertia. What comes out is an answer where it passes every test of one.
 
-use super::maximum_likelihood::{FinishedFit, LinearStart, solve, solve_from};
+use super::maximum_likelihood::{FinishedFit, LinearStart, solve};
 use super::other_minima::{EVIDENCE, SUSPICIOUS};
 use crate::answer;
 use crate::diagnosis::Suspect;
@@ -104,7 +104,7 @@ impl Explained {
 
 /// Solves a problem, with the modes that the data show where the declared vehicle does not explain them.
 pub(crate) fn explained(problem: &Problem, settings: Settings) -> Result<Explained, ProblemError> {
-    let rigid = solve(problem, settings)?;
+    let rigid = solve(problem, settings, None)?;
     let flexible = with_modes(problem, settings, &rigid)?;
     Ok(flexible.unwrap_or(Explained {
         ended: rigid,
@@ -133,7 +133,7 @@ fn with_modes(
         }
     }
     let own = problem.with_model(&found.model);
-    let mut ended = solve_from(&own, settings, Some(found.fitted.at))?;
+    let mut ended = solve(&own, settings, Some(found.fitted.at))?;
     let before = rigid.solution.residual.0;
     ended.solution.remarks.push(evidence(&own, before, &ended));
     let estimate = answer::write(&own, &ended.solution);

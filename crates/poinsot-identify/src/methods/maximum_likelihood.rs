@@ -86,13 +86,8 @@ impl FinishedFit {
     }
 }
 
-/// The solved problem, and where the fit ended.
-pub(crate) fn solve(problem: &Problem, settings: Settings) -> Result<FinishedFit, ProblemError> {
-    solve_from(problem, settings, None)
-}
-
-/// The same from a point near the solution, where one is known.
-pub(super) fn solve_from(
+/// The solved problem, and where the fit ended; from a point near the solution, where one is known.
+pub(super) fn solve(
     problem: &Problem,
     settings: Settings,
     near: Option<Iterate>,

@@ -55,10 +55,6 @@ impl Motion<'_> {
         }
         let of_grid = self.grid.get(k).copied().unwrap_or(1);
         let steps = of_grid as usize * self.vehicle.fineness.factor as usize;
-        if let Some(chord) = self.chord.take() {
-            self.spare.chord = chord;
-        }
-        self.column_chord = None;
         if self.vehicle.fineness.bends {
             self.find_chord(k, steps)?;
             self.column_chord = self.open_columns();

@@ -646,7 +646,8 @@ impl InputNoise {
         self.advance(&upper, h, k - 1 + self.reach);
         self.renew_slow(|slow| slow.fresh(h));
         self.innovate(&fresh, h, k - 1 + self.reach);
-        self.renew(&torque);
+        let vectors = torque.chunks_exact(self.filter.size.max(1));
+        vectors.for_each(|v| self.filter.add_outer(v, 1.0));
         self.scratch.upper = upper;
         self.scratch.fresh = fresh;
         self.scratch.torque = torque;
@@ -793,12 +794,6 @@ impl InputNoise {
                 vector[at + axis] = x[0];
             }
         }
-    }
-
-    /// Innovation of the random torque.
-    fn renew(&mut self, torque: &[f64]) {
-        let vectors = torque.chunks_exact(self.filter.size.max(1));
-        vectors.for_each(|v| self.filter.add_outer(v, 1.0));
     }
 
     /// Covariance `M P M^T` that the current errors add to a sample with these slopes. [`InputNoise::take`] uses what it finds.

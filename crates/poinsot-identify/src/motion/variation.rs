@@ -315,7 +315,8 @@ impl Motion<'_> {
         state: &State,
         instant: &Instant,
     ) -> (Matrix6x12, Matrix6x12, Option<Box<ModeRows>>) {
-        if let Some(here) = self.variation(state) {
+        let evaluated = self.evaluated.as_ref().filter(|r| r.state == *state);
+        if let Some(here) = evaluated.and_then(|r| r.variation.as_deref()) {
             return (here.map.matrix(), here.pose.matrix(), here.modes.clone());
         }
         let mut map = instant.twist_rows(state);
@@ -345,12 +346,6 @@ impl Motion<'_> {
             flexible.add_joint(instant, held, by, &self.force_now(instant));
         }
         flexible.with_bodies((instant, &state.internal), twist, &of)
-    }
-
-    /// The equation where the last velocity was taken, if it was at this state.
-    pub(super) fn variation(&self, state: &State) -> Option<&Variation> {
-        let evaluated = self.evaluated.as_ref().filter(|r| r.state == *state);
-        evaluated.and_then(|r| r.variation.as_deref())
     }
 
     /// Change of the twist with one unknown, the state held.
