@@ -23,7 +23,8 @@ mod virtual_joints;
 
 use acceleration::ForceScratch;
 pub(crate) use acceleration::{BodyPoint, Input};
-pub(crate) use joint_scales::{cubic, cubic_between, joint_scales};
+pub(crate) use inputs::joint_between;
+pub(crate) use joint_scales::{cubic_between, joint_scales};
 pub(crate) use mass_loss::impulse_before;
 pub(crate) use poinsot_dynamics::propagation::{
     Column, FlexibleMotion as Instant, FlexibleState as State, Matrix6x12, pose_change,

@@ -1,6 +1,6 @@
 //! Impulse of the thrusters between samples, with the force turning with the body.
 
-use crate::motion::{Running, cubic, cubic_between};
+use crate::motion::{Running, cubic_between, joint_between};
 use crate::problem::Problem;
 use crate::problem::parameters::Equations;
 use crate::problem::segment::{Firing, Segment};
@@ -148,7 +148,9 @@ fn one_interval(
         let dt = weight * (to - from);
         let dof = tree.dof();
         if dof > 0 {
-            kinematics.place(tree, &joints_between(s, dof, k, at));
+            let joints = (&*s.joint_position, &*s.joint_rate);
+            let position = |j| joint_between(&s.time_s, joints, (dof, j), (k, at)).0;
+            kinematics.place(tree, &(0..dof).map(position).collect::<Vec<_>>());
         }
         let R_NB = attitude_between(s, k, at);
         let R_BT = kinematics.R[thruster.body];
@@ -167,16 +169,6 @@ fn one_interval(
         sum.per_mass_centre += R_NB.to_rotation_matrix().matrix() * skew(&F_B) * dt;
     }
     sum
-}
-
-fn joints_between(s: &crate::problem::segment::Samples, dof: usize, k: usize, at: f64) -> Vec<f64> {
-    let step = s.time_s[k + 1] - s.time_s[k];
-    let position = |j: usize| {
-        let (a, b) = (k * dof + j, (k + 1) * dof + j);
-        let change = s.joint_position[b] - s.joint_position[a];
-        s.joint_position[a] + cubic(change, [s.joint_rate[a], s.joint_rate[b]], step, at).0
-    };
-    (0..dof).map(position).collect()
 }
 
 fn attitude_between(s: &crate::problem::segment::Samples, k: usize, at: f64) -> UnitQuaternion {

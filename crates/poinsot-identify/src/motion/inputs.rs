@@ -310,7 +310,9 @@ fn fill_inputs(
     }
     let h = o.time_s[k + 1] - o.time_s[k];
     for j in 0..dof {
-        (input_state.q[j], input_state.rates[j]) = joint_between(o, (dof, j), (k, at));
+        let joints = (&*o.joint_position, &*o.joint_rate);
+        (input_state.q[j], input_state.rates[j]) =
+            joint_between(&o.time_s, joints, (dof, j), (k, at));
     }
     for j in 0..wheels {
         let speed = |k: usize| o.wheel_speed[k * wheels + j];
@@ -330,15 +332,15 @@ pub(super) fn row(all: &[f64], width: usize, k: usize) -> &[f64] {
     &all[k * width..(k + 1) * width]
 }
 
-/// Position and rate of a joint at a share of the interval after grid time k.
-pub(super) fn joint_between(
-    o: &Observations,
+/// Position and rate of a joint at a share of the interval after time k, on the cubic through these positions and rates.
+pub(crate) fn joint_between(
+    t: &[f64],
+    (positions, rates): (&[f64], &[f64]),
     (dof, j): (usize, usize),
     (k, at): (usize, f64),
 ) -> (f64, f64) {
-    let h = o.time_s[k + 1] - o.time_s[k];
     let (a, b) = (k * dof + j, (k + 1) * dof + j);
-    let change = o.joint_position[b] - o.joint_position[a];
-    let (so_far, rate) = cubic(change, [o.joint_rate[a], o.joint_rate[b]], h, at);
-    (o.joint_position[a] + so_far, rate)
+    let change = positions[b] - positions[a];
+    let (so_far, rate) = cubic(change, [rates[a], rates[b]], t[k + 1] - t[k], at);
+    (positions[a] + so_far, rate)
 }
