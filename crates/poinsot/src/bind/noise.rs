@@ -32,12 +32,22 @@ pub(super) fn declared_noise(
         let sensor = leading.sensor(kind)?;
         Some(sensor.R_BS * covariance(sensor)? * sensor.R_BS.transpose())
     };
-    let gyro = match has(SensorKind::Gyro) || model.sensors_of(SensorKind::Gyro).next().is_some() {
-        true => vector(SensorKind::Gyro).ok_or(no_noise(SensorKind::Gyro))?,
-        false => differentiated(&vector, &columns)?,
+    let declared = |kind| vector(kind).ok_or(no_noise(kind));
+    // Of what is measured, or of the derivative of the first of the others that is.
+    let measured_or = |own, measured: bool, others: &[SensorKind]| -> Result<_, Error> {
+        if measured {
+            return declared(own).map(Some);
+        }
+        let read = others.iter().find(|kind| has(**kind));
+        let derived = read.map(|kind| Ok(derivative(declared(*kind)?, &columns(*kind))));
+        derived.transpose()
     };
-    let position = vector(SensorKind::Position);
-    let velocity = velocity(vector(SensorKind::Velocity), position, &columns)?;
+    let gyros = has(SensorKind::Gyro) || model.sensors_of(SensorKind::Gyro).next().is_some();
+    let turned = [SensorKind::Attitude, SensorKind::Direction];
+    let gyro = measured_or(SensorKind::Gyro, gyros, &turned)?;
+    let gyro = gyro.ok_or(no_noise(SensorKind::Gyro))?;
+    let moves = has(SensorKind::Velocity);
+    let velocity = measured_or(SensorKind::Velocity, moves, &[SensorKind::Position])?;
     let mut exact = |value: Option<Matrix3>, kind: SensorKind| {
         if value.is_none() && has(kind) {
             let what = kind.word();
@@ -48,7 +58,7 @@ pub(super) fn declared_noise(
         value.unwrap_or_else(Matrix3::zeros)
     };
     let attitude = exact(vector(SensorKind::Attitude), SensorKind::Attitude);
-    let position = exact(position, SensorKind::Position);
+    let position = exact(vector(SensorKind::Position), SensorKind::Position);
     let of_joints = |kind: SensorKind| -> Vec<f64> {
         let joints = tree.coordinates.iter();
         joints.map(|&at| scalar(model, kind, at)).collect()
@@ -57,7 +67,7 @@ pub(super) fn declared_noise(
         gyro_sensor: leading.index(SensorKind::Gyro),
         gyro,
         attitude,
-        velocity,
+        velocity: velocity.unwrap_or_else(Matrix3::identity),
         position,
         joint_position: of_joints(SensorKind::JointPosition),
         joint_rate: of_joints(SensorKind::JointRate),
@@ -89,39 +99,11 @@ pub(crate) fn scalar(model: &Model, kind: SensorKind, of: usize) -> f64 {
         .map_or(0.0, |c| c[(0, 0)])
 }
 
-/// Covariance of body rates that are the derivative of an attitude, or of attitudes from directions.
-fn differentiated<'t>(
-    vector: &dyn Fn(SensorKind) -> Option<Matrix3>,
-    columns: &dyn Fn(SensorKind) -> Vec<Vec<&'t Channel>>,
-) -> Result<Matrix3, Error> {
-    let kinds = [SensorKind::Attitude, SensorKind::Direction];
-    let kind = kinds.into_iter().find(|kind| !columns(*kind).is_empty());
-    let kind = kind.unwrap_or(SensorKind::Gyro);
-    let declared = vector(kind).ok_or(no_noise(kind))?;
-    Ok(derivative(declared, &columns(kind)))
-}
-
 /// Covariance of a derivative by the quartic through five samples.
 fn derivative(of: Matrix3, columns: &[Vec<&Channel>]) -> Matrix3 {
     let steps = columns.iter().filter_map(|c| median_step(&c[0].time_s));
     let step = steps.fold(f64::INFINITY, f64::min);
     of * (DIFFERENCE / step).powi(2)
-}
-
-fn velocity<'t>(
-    declared: Option<Matrix3>,
-    position: Option<Matrix3>,
-    columns: &dyn Fn(SensorKind) -> Vec<Vec<&'t Channel>>,
-) -> Result<Matrix3, Error> {
-    if !columns(SensorKind::Velocity).is_empty() {
-        return declared.ok_or(no_noise(SensorKind::Velocity));
-    }
-    let positions = columns(SensorKind::Position);
-    if !positions.is_empty() {
-        let position = position.ok_or(no_noise(SensorKind::Position))?;
-        return Ok(derivative(position, &positions));
-    }
-    Ok(Matrix3::identity())
 }
 
 /// A joint or wheel without a column is given, so without noise. With positions only, the noise of the rate of a joint is that of
