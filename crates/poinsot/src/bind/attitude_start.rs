@@ -24,7 +24,8 @@ const APART: f64 = 0.05;
 /// A direction measured by the base: time, s, measured in B, known in N.
 pub(super) type Direction = (f64, Vector3, Vector3);
 
-type Attitudes = Vec<Option<UnitQuaternion>>;
+type Turn = Option<UnitQuaternion>;
+type Attitudes = Vec<Turn>;
 
 /// Directions measured by sensors of the base, one list a sensor.
 pub(super) fn base_directions(model: &Model, table: &Table) -> Vec<Vec<Direction>> {
@@ -125,21 +126,17 @@ pub(super) fn carried(times: &[f64], rate: &[Option<Vector3>], measured: Attitud
         (h <= longest).then(|| turn_over(h, &a, &b))
     };
     let n = times.len();
-    let (mut before, mut after) = (vec![None; n], vec![None; n]);
-    for k in 0..n {
-        let reached = |k: usize| -> Option<(f64, UnitQuaternion)> {
-            let (since, R) = before[k.checked_sub(1)?]?;
-            Some((since, R * turn(k)?))
-        };
-        before[k] = measured[k].map(|R| (times[k], R)).or_else(|| reached(k));
-    }
-    for k in (0..n).rev() {
-        let reached = |k: usize| -> Option<(f64, UnitQuaternion)> {
-            let (since, R) = (*after.get(k + 1)?)?;
-            Some((since, R * turn(k + 1)?.inverse()))
-        };
-        after[k] = measured[k].map(|R| (times[k], R)).or_else(|| reached(k));
-    }
+    let reached = |order: &mut dyn Iterator<Item = usize>, turn: &dyn Fn(usize) -> Turn| {
+        let (mut all, mut last) = (vec![None; n], None::<(f64, UnitQuaternion)>);
+        for k in order {
+            let carried = || last.and_then(|(since, R)| Some((since, R * turn(k)?)));
+            last = measured[k].map(|R| (times[k], R)).or_else(carried);
+            all[k] = last;
+        }
+        all
+    };
+    let before = reached(&mut (0..n), &turn);
+    let after = reached(&mut (0..n).rev(), &|k| Some(turn(k + 1)?.inverse()));
     let between = |k: usize| match (before[k], after[k]) {
         (Some((from, a)), Some((to, b))) if to > from => {
             let error = (a.inverse() * b).scaled_axis();

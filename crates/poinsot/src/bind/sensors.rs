@@ -36,20 +36,17 @@ pub(super) fn vectors([x, y, z]: &[Column; 3]) -> Vec<Option<Vector3>> {
         .collect()
 }
 
+/// Place of a time among increasing ones.
+fn place(times: &[f64], t: f64) -> Option<usize> {
+    let k = times.partition_point(|own| *own < t - SAME);
+    times.get(k).filter(|own| (*own - t).abs() <= SAME)?;
+    Some(k)
+}
+
 /// The samples of a channel at grid times; `None` elsewhere.
 pub(super) fn own_values(channel: &Channel, grid: &[f64]) -> Vec<Option<f64>> {
-    let mut at = 0;
-    grid.iter()
-        .map(|t| {
-            while channel.time_s.get(at).is_some_and(|x| *x < t - SAME) {
-                at += 1;
-            }
-            match channel.time_s.get(at) {
-                Some(x) if (x - t).abs() <= SAME => channel.values.get(at).copied(),
-                _ => None,
-            }
-        })
-        .collect()
+    let own = |t: &f64| channel.values.get(place(&channel.time_s, *t)?).copied();
+    grid.iter().map(own).collect()
 }
 
 pub(super) struct SensorColumns<'a> {
@@ -198,10 +195,6 @@ impl<'a> SensorColumns<'a> {
 
     /// The samples at grid times; positions relative to `origin`.
     pub fn record(&self, model: &Model, grid: &[f64], origin: &Vector3) -> SensorRecord {
-        let at = |t: f64| {
-            let k = grid.partition_point(|g| *g < t - SAME);
-            grid.get(k).filter(|g| (*g - t).abs() <= SAME).map(|_| k)
-        };
         let starts = self.starts();
         let declared = self.sensor.map(|k| &model.sensors[k]);
         let references = declared.map(|s| self.references(s)).unwrap_or_default();
@@ -209,8 +202,8 @@ impl<'a> SensorColumns<'a> {
         let own = self.time_s.iter().enumerate();
         samples.extend(own.filter_map(|(i, t)| {
             Some(SensorSample {
-                from: at(starts.get(i).copied().unwrap_or(*t))?,
-                to: at(*t)?,
+                from: place(grid, starts.get(i).copied().unwrap_or(*t))?,
+                to: place(grid, *t)?,
                 value: self.value(i, (origin, &references))?,
             })
         }));
