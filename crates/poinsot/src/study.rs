@@ -5,7 +5,7 @@
 
 use crate::Error;
 use crate::bind::{RELATIVE_ACCURACY, acceleration_channels, bind};
-use crate::case::{Case, parse_case, read_case};
+use crate::case::{Case, parse_case};
 use crate::error::unknown;
 use crate::identify::{Question, identify_tables, read_options};
 use crate::predict::predict_case;
@@ -38,14 +38,6 @@ fn parsed(case: &CaseText) -> Result<Case, Error> {
 }
 
 impl Tools for Verbs {
-    fn case(&self, path: &Path) -> Result<CaseText, StudyError> {
-        let case = read_case(path)?;
-        Ok(CaseText {
-            path: path.to_owned(),
-            text: case.text().to_owned(),
-        })
-    }
-
     fn vehicle(&self, case: &CaseText) -> Result<Model, StudyError> {
         Ok(read_model(parsed(case)?.model)?)
     }

@@ -1,6 +1,7 @@
 //! Input of a study: the shipped data, and the tools of the `poinsot` crate.
 
 use poinsot_dynamics::Tree;
+use poinsot_files::read_tree;
 use poinsot_identify::{Estimate, Noise, Segment};
 use poinsot_model::{Model, read_model};
 use poinsot_spatial::InertialParameters;
@@ -34,12 +35,6 @@ pub struct Difference {
 
 /// Functions of the `poinsot` crate used by studies.
 pub trait Tools: Sync {
-    /// Reads and checks a case file.
-    ///
-    /// # Errors
-    /// The file cannot be read or is not a case.
-    fn case(&self, path: &Path) -> Result<CaseText, StudyError>;
-
     /// The model of a case.
     ///
     /// # Errors
@@ -112,9 +107,11 @@ impl Context<'_> {
     /// A case of `data/cases`.
     ///
     /// # Errors
-    /// The file cannot be read or is not a case.
+    /// The file cannot be read.
     pub fn case(&self, name: &str) -> Result<CaseText, StudyError> {
-        self.tools.case(&self.data.join("cases").join(name))
+        let path = self.data.join("cases").join(name);
+        let text = read_tree(&path).map_err(|e| e.fault("E0501", &path))?;
+        Ok(CaseText { path, text })
     }
 
     /// A model of the shipped data.
