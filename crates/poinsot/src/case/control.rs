@@ -10,24 +10,20 @@ impl Planner<'_> {
     /// The plan of a case with a controller: locked joints, and all wheels under the law.
     pub fn control(&mut self, file: &CaseFile) -> Option<Plan> {
         let given = file.control.as_ref()?;
-        let also = [
-            ("joint_motion", !file.joint_motion.is_empty(), "E0508"),
-            ("joint_torque", !file.joint_torque.is_empty(), "E0508"),
-            ("initial.joint", !file.initial.joint.is_empty(), "E0508"),
-            ("wheel_motion", !file.wheel_motion.is_empty(), "E0507"),
+        let absent = [
+            ("joint_motion", file.joint_motion.is_empty()),
+            ("joint_torque", file.joint_torque.is_empty()),
+            ("initial.joint", file.initial.joint.is_empty()),
         ];
-        for (key, _, code) in also.into_iter().filter(|(_, is_there, _)| *is_there) {
-            let (problem, remedy) = match code {
-                "E0507" => (
-                    "the controller already drives the wheels",
-                    "take either [control] or the [[wheel_motion]] tables out",
-                ),
-                _ => (
-                    "the simulation does not support this with [control]: joints are locked",
-                    "take it out, or prescribe wheel speeds with [[wheel_motion]]",
-                ),
-            };
-            self.refuse(code, key, problem, remedy);
+        for (key, _) in absent.into_iter().filter(|(_, is_absent)| !is_absent) {
+            let problem = "the simulation does not support this with [control]: joints are locked";
+            let remedy = "take it out, or prescribe wheel speeds with [[wheel_motion]]";
+            self.refuse("E0508", key, problem, remedy);
+        }
+        if !file.wheel_motion.is_empty() {
+            let problem = "the controller already drives the wheels";
+            let remedy = "take either [control] or the [[wheel_motion]] tables out";
+            self.refuse("E0507", "wheel_motion", problem, remedy);
         }
         let mut joints = self.model.joints.iter();
         if let Some(joint) = joints.find(|j| j.is_passive()) {
