@@ -119,33 +119,25 @@ fn smooth_wheels(wheels: &[Option<WheelSpeed>], grid: &[f64]) -> Vec<f64> {
 /// Firings of every thruster with a column, whose values hold until the next sample; others are off.
 pub(super) fn firings(channels: &Channels, samples: &Samples) -> Vec<Firing> {
     let mut list = Vec::new();
+    let last_s = samples.time_s.last().copied().unwrap_or(f64::NEG_INFINITY);
     for (thruster, item) in channels.model.thrusters.iter().enumerate() {
         let Some(channel) = channels.find(&format!("{}_N", item.name)) else {
             continue;
         };
-        let mut pairs = channel.time_s.iter().zip(&channel.values).peekable();
-        while let Some((&start_s, &force)) = pairs.next() {
-            if force == 0.0 {
-                continue;
+        let mut rest = &*channel.time_s;
+        // Consecutive equal values are one firing, up to the next value.
+        for run in channel.values.chunk_by(|a, b| a == b) {
+            let (own, next) = rest.split_at(run.len());
+            rest = next;
+            let end_s = last_s.max(own[own.len() - 1]);
+            if run[0] != 0.0 {
+                list.push(Firing {
+                    thruster,
+                    start_s: own[0],
+                    end_s: next.first().copied().unwrap_or(end_s),
+                    force: run[0],
+                });
             }
-            let mut end_s = start_s;
-            // Consecutive equal values are one firing.
-            while let Some(&(&next, &value)) = pairs.peek() {
-                end_s = next;
-                if value != force {
-                    break;
-                }
-                pairs.next();
-            }
-            if pairs.peek().is_none() {
-                end_s = samples.time_s.last().copied().unwrap_or(end_s).max(end_s);
-            }
-            list.push(Firing {
-                thruster,
-                start_s,
-                end_s,
-                force,
-            });
         }
     }
     list.sort_by(|a, b| a.start_s.total_cmp(&b.start_s));
