@@ -23,7 +23,6 @@ struct Active {
     prepared: Arc<OnceLock<Result<Prepared, String>>>,
     /// Finished rows by their first trial.
     done: Mutex<BTreeMap<u64, Vec<Row>>>,
-    left: AtomicUsize,
 }
 
 /// Runs shards into the folder of a campaign; `watch` is called after each.
@@ -145,7 +144,6 @@ fn pieces<'a>(
         let active = Arc::new(Active {
             prepared: kept.map_or_else(Arc::default, |l| Arc::clone(&l.prepared)),
             done: Mutex::default(),
-            left: AtomicUsize::new(size(&shard)),
             shard,
         });
         last = Some(Arc::clone(&active));
@@ -166,12 +164,12 @@ fn run_one(plan: &Plan, active: &Active, trial: u64) -> Result<Option<ShardResul
         Error::one("E0541", Place::file(&plan.name), what, remedy)
     })?;
     let rows = prepared.run(plan, shard, trial);
-    locked(&active.done).insert(trial, rows);
-    if active.left.fetch_sub(1, Ordering::AcqRel) > 1 {
+    let mut done = locked(&active.done);
+    done.insert(trial, rows);
+    if done.len() < size(shard) {
         return Ok(None);
     }
-    let done = std::mem::take(&mut *locked(&active.done));
-    let rows: Vec<Row> = done.into_values().flatten().collect();
+    let rows: Vec<Row> = std::mem::take(&mut *done).into_values().flatten().collect();
     Ok(Some(ShardResult::new(plan, shard, &rows)))
 }
 
