@@ -53,7 +53,7 @@ pub fn fold_shards(plan: &Plan, out: &Path, trials: u64) -> Result<Folded, Error
 pub fn fold_sums(plan: &Plan, shards: Vec<ShardSums>) -> Result<Folded, Error> {
     let mut given = BTreeMap::new();
     for sums in shards {
-        sums.check(plan).map_err(Error::internal)?;
+        sums.check(plan, sums.shard).map_err(Error::internal)?;
         if let Some(twice) = given.insert(sums.shard, sums) {
             let what = format!("shard {} is given twice", twice.shard);
             return Err(Error::internal(what));

@@ -287,15 +287,12 @@ fn refuse_other_plans(plan: &Plan, out: &Path) -> Result<(), Error> {
         number.parse::<u64>().ok()?;
         Some(digest.to_owned())
     };
-    let entries = |folder: &Path| {
+    let entries = |folder: PathBuf| {
         let read = std::fs::read_dir(folder).into_iter().flatten();
-        read.filter_map(|e| Some(e.ok()?.path()))
-            .collect::<Vec<_>>()
+        read.flatten().map(|entry| entry.path())
     };
-    let files = entries(&out.join("shards"))
-        .into_iter()
-        .flat_map(|f| entries(&f));
-    let other = files
+    let other = entries(out.join("shards"))
+        .flat_map(entries)
         .filter_map(|f| Some((short(&f)?, f)))
         .find(|(digest, _)| !plan.digest.starts_with(digest.as_str()));
     let Some((digest, path)) = other else {

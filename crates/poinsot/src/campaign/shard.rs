@@ -131,14 +131,14 @@ impl ShardSums {
         parse_result(Path::new("sums"), text.as_bytes()).map_err(|e| e.to_string())
     }
 
-    /// Checks that these are the sums of a shard of the plan: its methods, each with every trial once.
+    /// Checks that these are the sums of this shard of the plan: its methods, each with every trial once.
     ///
     /// # Errors
     /// What differs.
-    pub(super) fn check(&self, plan: &Plan) -> Result<(), String> {
-        let Shard { cell, trials, .. } = plan.shard(self.shard);
-        let own = (self.cell, self.trials) == (cell, (trials.start, trials.end));
-        if !own || self.digest != plan.digest {
+    pub(super) fn check(&self, plan: &Plan, number: u64) -> Result<(), String> {
+        let Shard { cell, trials, .. } = plan.shard(number);
+        let own = (self.shard, self.cell, self.trials);
+        if own != (number, cell, (trials.start, trials.end)) || self.digest != plan.digest {
             return Err("it is of another plan or another shard".to_owned());
         }
         let sums = &self.sums;
@@ -210,21 +210,18 @@ pub(super) fn find(plan: &Plan, out: &Path, number: u64) -> Result<Found, Error>
         Err(other) => return missing(Some(other.to_string())),
     };
     let Shard { trials, .. } = plan.shard(number);
-    let whole = |sums: &ShardSums| {
-        let other = "it is of another plan or another shard".to_owned();
-        (sums.shard == number).then_some(()).ok_or(other)?;
-        sums.check(plan)?;
-        sums.check_rows(plan, &rows_path(&path))
-    };
-    match ShardSums::parse(&text) {
-        // A plan with another number of trials may have a different last shard.
-        Ok(sums) if sums.trials.0 == trials.start && sums.trials.1 != trials.end => missing(None),
-        Ok(sums) => match whole(&sums) {
-            Ok(()) => Ok(Ok(sums)),
-            Err(why) => missing(Some(why)),
-        },
-        Err(why) => missing(Some(why)),
+    let parsed = ShardSums::parse(&text);
+    // A plan with another number of trials may have a different last shard.
+    let is_other = |s: &ShardSums| s.trials.0 == trials.start && s.trials.1 != trials.end;
+    if parsed.as_ref().is_ok_and(is_other) {
+        return missing(None);
     }
+    let whole = parsed.and_then(|sums| {
+        sums.check(plan, number)?;
+        sums.check_rows(plan, &rows_path(&path))?;
+        Ok(sums)
+    });
+    whole.map_or_else(|why| missing(Some(why)), |sums| Ok(Ok(sums)))
 }
 
 type Of<T> = fn(&T) -> Option<f64>;
