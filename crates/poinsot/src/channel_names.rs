@@ -17,7 +17,11 @@ pub(crate) fn names(model: &Model, kind: SensorKind, of: &[usize]) -> Vec<String
     match kind {
         SensorKind::JointPosition => joints(""),
         SensorKind::JointRate => joints("_s"),
-        SensorKind::WheelSpeed => wheels(model, of, "rad_s"),
+        SensorKind::WheelSpeed => of
+            .iter()
+            .filter_map(|i| model.wheels.get(*i))
+            .map(|wheel| format!("{}_rad_s", wheel.name))
+            .collect(),
         SensorKind::Thrust => of
             .iter()
             .filter_map(|i| model.thrusters.get(*i))
@@ -48,13 +52,6 @@ pub(crate) fn of_parts(model: &Model) -> Vec<String> {
     let kinds = SensorKind::ALL.into_iter().filter(|kind| kind.is_scalar());
     let read = kinds.flat_map(|kind| of_all(model, kind));
     read.chain(wheel_torques(model)).collect()
-}
-
-pub(crate) fn wheels(model: &Model, of: &[usize], suffix: &str) -> Vec<String> {
-    of.iter()
-        .filter_map(|i| model.wheels.get(*i))
-        .map(|wheel| format!("{}_{suffix}", wheel.name))
-        .collect()
 }
 
 /// The three channels of a vector, of the sensor of this name.

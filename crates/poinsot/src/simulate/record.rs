@@ -2,7 +2,7 @@
 
 use super::stream;
 use crate::case::Scenario;
-use crate::channel_names::{XYZ, joint_channels, names, of_all, wheel_torques, wheels};
+use crate::channel_names::{XYZ, joint_channels, names, of_all, wheel_torques};
 use poinsot_dynamics::{
     Instrument, JointDrive, MotionSample, SAME_TIME, Tree, WheelDrive, WheelMotion, thrust_held,
     vector_reading,
@@ -290,13 +290,13 @@ fn commanded(model: &Model, scenario: &Scenario, measured: &HashSet<String>) -> 
     let mut all = HashSet::from_iter(of_all(model, SensorKind::Thrust));
     let law = scenario.plan.control.as_ref();
     let accelerated = law.is_some_and(|law| law.drive == WheelDrive::Acceleration);
-    for (k, motion) in scenario.plan.wheels.iter().enumerate() {
+    for (wheel, motion) in model.wheels.iter().zip(&scenario.plan.wheels) {
         let suffix = match motion {
             WheelMotion::Controlled { .. } if accelerated => continue,
             WheelMotion::Controlled { .. } | WheelMotion::Torque { .. } => "Nm",
             WheelMotion::Speed(_) => "rad_s",
         };
-        all.extend(wheels(model, &[k], suffix));
+        all.insert(format!("{}_{suffix}", wheel.name));
     }
     for (joint, drive) in model.moving_joints().zip(&scenario.plan.joints) {
         let [position, rate, _, effort] = joint_channels(joint);
