@@ -192,7 +192,7 @@ impl Case {
             e.times = e.whole();
         }
         let first = e.knots[0].1;
-        Ok(e.moved(|k, place| {
+        for (k, (_, place)) in e.knots.iter_mut().enumerate() {
             for (j, q) in place.iter_mut().enumerate() {
                 *q *= self.span;
                 match &self.joints {
@@ -201,7 +201,8 @@ impl Case {
                     _ => {}
                 }
             }
-        }))
+        }
+        Ok(e)
     }
 
     fn run(&self, context: &Context) -> Result<Run, StudyError> {

@@ -132,14 +132,6 @@ impl Experiment {
         (0..=2 * end as usize).map(|k| 0.5 * k as f64).collect()
     }
 
-    /// Changes the positions of the joints at every knot, deg.
-    #[must_use]
-    pub fn moved(mut self, change: impl Fn(usize, &mut [f64; 6])) -> Self {
-        let knots = self.knots.iter_mut().enumerate();
-        knots.for_each(|(k, (_, place))| change(k, place));
-        self
-    }
-
     fn joint(&self, j: usize) -> Result<JointMotion, StudyError> {
         let time: Vec<f64> = self.knots.iter().map(|k| k.0).collect();
         let position: Vec<f64> = self.knots.iter().map(|k| k.1[j].to_radians()).collect();

@@ -124,7 +124,7 @@ impl Data {
 
 /// The robot: nominal model, with errors of 2 to 6 %, and true bodies.
 pub struct Robot<'a> {
-    context: Context<'a>,
+    pub(super) context: Context<'a>,
     /// The nominal model.
     pub model: Model,
     /// True bodies: the numbers of Table 1.
@@ -227,20 +227,6 @@ impl<'a> Robot<'a> {
             know_mass(&mut model.bodies[0], &self.whole());
         }
         model
-    }
-
-    /// The answer of the paper's method.
-    ///
-    /// # Errors
-    /// The runs do not suit the method.
-    pub fn ask(
-        &self,
-        model: &Model,
-        tables: Vec<Table>,
-        variant: &str,
-    ) -> Result<Estimate, StudyError> {
-        let tools = self.context.tools;
-        tools.identify(model, tables, "xu2017", Some(variant))
     }
 }
 

@@ -85,7 +85,8 @@ fn answer(robot: &Robot, case: &Use, variant: &str) -> Result<(String, f64), Stu
     if case.turning {
         without_translation(&mut tables[..1]);
     }
-    let e = robot.ask(&case.model, tables, variant)?;
+    let tools = robot.context.tools;
+    let e = tools.identify(&case.model, tables, "xu2017", Some(variant))?;
     let found = &e.identifiability;
     let combinations = format!("{} of {}", found.determined.len(), found.parameters);
     let whole = e.system.as_ref().map(|s| &s.0);
