@@ -8,7 +8,6 @@ use poinsot_files::Place;
 use std::collections::VecDeque;
 use std::io::{Result, Write};
 use std::net::SocketAddr;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use tiny_http::{Header, Request, Response, Server};
@@ -39,7 +38,8 @@ struct Lines {
 pub struct Feed {
     lines: Mutex<Lines>,
     changed: Condvar,
-    browsers: AtomicUsize,
+    /// Every browser that reads the lines holds a clone.
+    browsers: Arc<()>,
 }
 
 impl Feed {
@@ -63,7 +63,7 @@ impl Feed {
         self.lines().ended = true;
         self.changed.notify_all();
         let begun = Instant::now();
-        while self.browsers.load(Ordering::Acquire) > 0 && begun.elapsed() < FAREWELL {
+        while Arc::strong_count(&self.browsers) > 1 && begun.elapsed() < FAREWELL {
             std::thread::sleep(Duration::from_millis(10));
         }
     }
@@ -99,22 +99,6 @@ impl Feed {
             }
             next = after;
         }
-    }
-}
-
-/// A browser that reads the lines.
-struct Guest(Arc<Feed>);
-
-impl Guest {
-    fn of(feed: &Arc<Feed>) -> Self {
-        feed.browsers.fetch_add(1, Ordering::AcqRel);
-        Self(feed.clone())
-    }
-}
-
-impl Drop for Guest {
-    fn drop(&mut self) {
-        self.0.browsers.fetch_sub(1, Ordering::AcqRel);
     }
 }
 
@@ -167,11 +151,14 @@ fn answer(request: Request, path: &str, page: &str, feed: &Arc<Feed>) {
             let _ = request.respond(html);
             return;
         }
-        Some("events") if feed.browsers.load(Ordering::Acquire) < BROWSERS => {
+        Some("events") if Arc::strong_count(&feed.browsers) <= BROWSERS => {
             let last = header(&request, "Last-Event-ID").and_then(|id| id.parse().ok());
             let next = last.map_or(0, |id: usize| id.saturating_add(1));
-            let guest = Guest::of(feed);
-            let stream = move || guest.0.stream(request.into_writer(), next);
+            let (guest, feed) = (feed.browsers.clone(), feed.clone());
+            let stream = move || {
+                feed.stream(request.into_writer(), next)
+                    .map(|()| drop(guest))
+            };
             let _ = std::thread::Builder::new().spawn(stream);
             return;
         }
