@@ -83,16 +83,16 @@ impl OnBoard {
         let tree = Tree::new(model);
         let rigid = Rigid::new(model, &tree);
         let nominal = with_answer(body, answer);
-        let configuration = Configuration::new(nominal.parameters().to_array(), noise(model)?);
+        let mut configuration = Configuration::new(nominal.parameters().to_array(), noise(model)?);
         let mut known = model.nominal_parameters();
         known[at] = InertialParameters::ZERO;
-        let mut configuration = rigid.add_links(configuration, model, &known);
+        rigid.add_links(&mut configuration, model, &known);
         let (R, p) = rigid.pose(at);
         configuration.unknown_link = rigid.of[at];
         configuration.unknown_rotation = quaternion(&R);
         configuration.unknown_position = p.into();
-        let configuration = rigid.add_wheels(configuration, model)?;
-        let mut configuration = rigid.add_modes(configuration, model)?;
+        rigid.add_wheels(&mut configuration, model)?;
+        rigid.add_modes(&mut configuration, model)?;
         let prior = Prior {
             model,
             rigid: &rigid,
@@ -396,11 +396,9 @@ fn vector<const N: usize>(parts: &[&Channel], time_s: f64) -> Option<[f64; N]> {
     let mut out = [0.0; N];
     for (out, part) in out.iter_mut().zip(parts) {
         let at = part.time_s.partition_point(|t| *t < time_s - SAME_TIME);
-        let same = part
-            .time_s
-            .get(at)
-            .is_some_and(|t| (t - time_s).abs() < 1.0e-6);
-        *out = part.values.get(at).copied().filter(|_| same)?;
+        let own = part.time_s.get(at);
+        own.filter(|t| (*t - time_s).abs() < 1.0e-6)?;
+        *out = part.values.get(at).copied()?;
     }
     (parts.len() == N).then_some(out)
 }

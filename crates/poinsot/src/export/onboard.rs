@@ -3,7 +3,6 @@
 use super::{Exported, Source};
 use crate::error::Error;
 use poinsot_formats::{ONBOARD, OnboardBodyFile, OnboardFile};
-use poinsot_spatial::MassProperties;
 
 pub(super) fn text(source: &Source) -> Result<Exported, Error> {
     let e = source.estimate;
@@ -11,18 +10,14 @@ pub(super) fn text(source: &Source) -> Result<Exported, Error> {
     if bodies.is_empty() {
         return Err(source.nothing(&left_out, ""));
     }
-    let body = |p: &poinsot_model::BodyProperties| {
-        let MassProperties {
-            mass,
-            p_BoBcm_B,
-            I_BBcm_B,
-        } = p.properties;
+    let body = |found: &poinsot_model::BodyProperties| {
+        let own = &found.properties;
         let numbers = OnboardBodyFile {
-            mass_kg: mass,
-            com_m: p_BoBcm_B.into(),
-            inertia_kg_m2: std::array::from_fn(|i| std::array::from_fn(|j| I_BBcm_B[(i, j)])),
+            mass_kg: own.mass,
+            com_m: own.p_BoBcm_B.into(),
+            inertia_kg_m2: [0, 1, 2].map(|i| [0, 1, 2].map(|j| own.I_BBcm_B[(i, j)])),
         };
-        (p.body.clone(), numbers)
+        (found.body.clone(), numbers)
     };
     let finite = |row: &Vec<Option<f64>>| row.iter().copied().collect::<Option<Vec<f64>>>();
     let matrix: Option<Vec<Vec<f64>>> = e.covariance.matrix.iter().map(finite).collect();

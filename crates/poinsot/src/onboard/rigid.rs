@@ -72,16 +72,11 @@ impl Rigid {
     }
 
     /// The joints that move, and what of a vehicle with these bodies does not move in the base.
-    pub fn add_links(
-        &self,
-        mut configuration: Configuration,
-        model: &Model,
-        bodies: &[InertialParameters],
-    ) -> Configuration {
-        configuration.known = self.known(0, bodies);
+    pub fn add_links(&self, to: &mut Configuration, model: &Model, bodies: &[InertialParameters]) {
+        to.known = self.known(0, bodies);
         for (k, link) in self.moving.iter().enumerate() {
             let noise = |kind| variance(model, kind, link.joint).sqrt();
-            configuration = configuration.with_joint(Joint {
+            *to = to.with_joint(Joint {
                 parent: link.parent,
                 slides: model.joints[link.joint].slides(),
                 rotation: quaternion(&link.R),
@@ -92,38 +87,29 @@ impl Rigid {
                 rate_noise: noise(SensorKind::JointRate),
             });
         }
-        configuration
     }
 
     /// The wheels, none of them on a link that moves.
-    pub fn add_wheels(
-        &self,
-        mut configuration: Configuration,
-        model: &Model,
-    ) -> Result<Configuration, Error> {
+    pub fn add_wheels(&self, to: &mut Configuration, model: &Model) -> Result<(), Error> {
         for (k, wheel) in model.wheels.iter().enumerate() {
             self.on_base(wheel.body, &format!("wheel \"{}\"", wheel.name))?;
-            configuration = configuration.with_wheel(Wheel {
+            *to = to.with_wheel(Wheel {
                 axis_B: (self.kinematics.R[wheel.body] * wheel.axis_B).into(),
                 spin_inertia: wheel.spin_inertia,
                 noise: variance(model, SensorKind::WheelSpeed, k).sqrt(),
             });
         }
-        Ok(configuration)
+        Ok(())
     }
 
     /// The modes, none of them of a body that joints move.
-    pub fn add_modes(
-        &self,
-        mut configuration: Configuration,
-        model: &Model,
-    ) -> Result<Configuration, Error> {
+    pub fn add_modes(&self, to: &mut Configuration, model: &Model) -> Result<(), Error> {
         for FlexibleMode { name, mode, .. } in &model.modes {
             self.on_base(mode.body, &format!("mode \"{name}\""))?;
             let (R, p) = self.pose(mode.body);
             let translation = R * mode.translation;
             let slope = R * mode.inertia_slope * R.transpose();
-            configuration = configuration.with_mode(Mode {
+            *to = to.with_mode(Mode {
                 body: 0,
                 translation,
                 rotation: R * mode.rotation + p.cross(&translation),
@@ -131,7 +117,7 @@ impl Rigid {
                 ..*mode
             });
         }
-        Ok(configuration)
+        Ok(())
     }
 
     /// The ten parameters of a link.
