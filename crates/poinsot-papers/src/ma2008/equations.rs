@@ -109,7 +109,7 @@ pub fn two_step(segments: &[Vec<Reading>], given: impl Into<Given>) -> TwoStep {
     let given = given.into();
     let arm_mass = segments.iter().flatten().next().map_or(0.0, |s| s.arm.mass);
     // Step 1: A x = b, (11)-(13) or (15)-(17). The natural scale of x is unknown here, so columns are scaled equally.
-    let known = given.p_C_N.map(|p| linear_known(&p, arm_mass));
+    let known = given.p_C_N.map(|p| known_rows(0, &(p / arm_mass)));
     let rows = differences(segments, linear_rows, known);
     let mut answer = TwoStep::first(&rows, arm_mass);
     if answer.linear.structural_rank < 4 {
@@ -118,7 +118,7 @@ pub fn two_step(segments: &[Vec<Reading>], given: impl Into<Given>) -> TwoStep {
     // Step 2: B y = c, (18)-(20) or (22)-(24), with mass and mass centre of step 1.
     let (m_S, rho_S) = (answer.mass(), answer.rho_S());
     let of = |s: &Reading| angular_rows(s, m_S, &rho_S);
-    let rows = differences(segments, of, given.h_C_N.map(|h| angular_known(&h)));
+    let rows = differences(segments, of, given.h_C_N.map(|h| known_rows(6, &h)));
     answer.angular = Some(solve::<6, 7>(&rows));
     answer
 }
@@ -163,33 +163,10 @@ pub fn angular_rows(s: &Reading, m_S: f64, rho_S: &Vector3) -> AngularRows {
     rows
 }
 
-/// Subtrahend of step 1 for known linear momentum: `p_C(0)/m_R` from `a`, (13).
-///
-/// ```
-/// use poinsot_papers::ma2008::linear_known;
-/// use poinsot_spatial::Vector3;
-///
-/// let rows = linear_known(&Vector3::new(5.0, 0.0, 0.0), 100.0);
-/// assert_eq!(rows[(0, 0)], 0.05);
-/// ```
-pub fn linear_known(p_C_N: &Vector3, arm_mass: f64) -> LinearRows {
-    let mut rows = LinearRows::zeros();
-    rows.set_column(0, &(p_C_N / arm_mass));
-    rows
-}
-
-/// Subtrahend of step 2 for known angular momentum, (20).
-///
-/// ```
-/// use poinsot_papers::ma2008::angular_known;
-/// use poinsot_spatial::Vector3;
-///
-/// let rows = angular_known(&Vector3::new(5.0, 0.0, 0.0));
-/// assert_eq!(rows[(0, 6)], 5.0);
-/// ```
-pub fn angular_known(h_C_N: &Vector3) -> AngularRows {
-    let mut rows = AngularRows::zeros();
-    rows.set_column(6, h_C_N);
+/// Rows of one column alone: of a momentum that is known.
+fn known_rows<const W: usize>(at: usize, column: &Vector3) -> SMatrix<f64, 3, W> {
+    let mut rows = SMatrix::zeros();
+    put(&mut rows, at, column);
     rows
 }
 

@@ -46,8 +46,8 @@ pub mod studies;
 pub use answer::identify;
 pub use arm::{Arm, Raw, Reading, Vehicle};
 pub use equations::{
-    AngularRows, Given, Known, LinearRows, TwoStep, angular_known, angular_rows, differences,
-    linear_known, linear_rows, two_step,
+    AngularRows, Given, Known, LinearRows, TwoStep, angular_rows, differences, linear_rows,
+    two_step,
 };
 pub use solve::{Step, solve};
 
