@@ -1,11 +1,6 @@
-//! Columns of samples, and systems of a few unknowns.
+//! Spread of samples, and systems of a few unknowns.
 
 use faer::Mat;
-
-/// Column `k` of rows of `n` numbers.
-pub(crate) fn column(rows: &[f64], k: usize, n: usize) -> impl Iterator<Item = f64> + '_ {
-    rows.iter().skip(k).step_by(n.max(1)).copied()
-}
 
 /// Difference between the largest and the smallest number; minus infinity without one.
 pub(crate) fn spread(values: impl Iterator<Item = f64>) -> f64 {

@@ -1,7 +1,7 @@
 //! Role of every segment (thrust on the locked robot, or one joint in motion), and the known bodies.
 
 use super::single_body::Part;
-use crate::samples::{column, spread};
+use crate::samples::spread;
 use poinsot_files::{Faults, Place, rounded};
 use poinsot_identify::{Problem, Segment};
 use poinsot_model::EstimateSet;
@@ -133,7 +133,8 @@ fn positions<'a>(
     segment: &'a Segment,
     joint: usize,
 ) -> impl Iterator<Item = f64> + 'a {
-    column(&segment.samples.joint_position, joint, problem.tree.dof())
+    let (all, dof) = (&segment.samples.joint_position, problem.tree.dof());
+    all.iter().skip(joint).step_by(dof.max(1)).copied()
 }
 
 fn tolerance(problem: &Problem, joint: usize) -> f64 {
