@@ -7,6 +7,7 @@
 mod statistics;
 
 use crate::error::Error;
+use indexmap::IndexMap;
 use poinsot_files::significant;
 use poinsot_formats::{
     Address, COMPARISON, ComparedAnswerFile, ComparedNumberFile, ComparisonFile, DIFFER_BELOW,
@@ -136,13 +137,9 @@ fn tests(common: &Answers) -> Vec<JointTestFile> {
     if all.is_empty() {
         return Vec::new();
     }
-    let mut groups: Vec<(String, Vec<usize>)> = vec![("all numbers".to_owned(), all)];
+    let mut groups = IndexMap::from([("all numbers".to_owned(), all)]);
     for (k, name) in common.names.iter().enumerate() {
-        let group = group(name);
-        match groups.iter_mut().skip(1).find(|(what, _)| *what == group) {
-            Some((_, members)) => members.push(k),
-            None => groups.push((group, vec![k])),
-        }
+        groups.entry(group(name)).or_default().push(k);
     }
     let of = |(what, members): (String, Vec<usize>)| JointTestFile {
         what,

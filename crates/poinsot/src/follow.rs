@@ -83,11 +83,7 @@ impl Course {
             self.sigmas.push([elapsed_s, sigma]);
         }
         if self.sigmas.len() > KEPT {
-            let mut odd = false;
-            self.sigmas.retain(|_| {
-                odd = !odd;
-                odd
-            });
+            self.sigmas = self.sigmas.iter().copied().step_by(2).collect();
         }
     }
 

@@ -63,13 +63,9 @@ pub(crate) fn csv_text(rows: impl IntoIterator<Item = Vec<String>>) -> String {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Error> {
-    let Some(name) = path.file_name() else {
-        return Err(Error::io(
-            path,
-            "cannot be written",
-            &std::io::ErrorKind::IsADirectory.into(),
-        ));
-    };
+    let is_folder = std::io::ErrorKind::IsADirectory.into();
+    let refuse = || Error::io(path, "cannot be written", &is_folder);
+    let name = path.file_name().ok_or_else(refuse)?;
     write_files(folder_of(path), &[(name.into(), bytes.to_vec())])?;
     Ok(())
 }

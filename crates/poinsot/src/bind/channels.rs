@@ -212,9 +212,9 @@ impl<'a> Channels<'a> {
         let is_other = |of: ChannelName| of.vector().is_some() && !channel.contains(&of.name);
         let own = |column: &String| classify(column).is_some_and(is_other);
         let unused = self.table.ignored.iter().filter(|column| !own(column));
-        let mut unused = unused.map(|c| (similar(c), c));
-        let first = unused.next();
-        let nearest = first.map(|first| unused.fold(first, |a, b| if b.0 > a.0 { b } else { a }));
+        let unused = unused.map(|c| (similar(c), c));
+        // The first of equal ones.
+        let nearest = unused.rev().max_by(|a, b| a.0.total_cmp(&b.0));
         let purpose = match nearest {
             Some(_) if !lines.is_empty() => format!("{purpose} (it may be: {lines})"),
             Some((_, column)) => format!("{purpose} (nearest unused column: '{column}')"),

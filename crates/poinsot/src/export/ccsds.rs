@@ -105,7 +105,5 @@ fn created() -> String {
 
 /// Text allowed by the notation: printable ASCII on one line.
 fn keyword_value(text: &str) -> String {
-    text.chars()
-        .map(|c| if matches!(c, ' '..='~') { c } else { '?' })
-        .collect()
+    text.replace(|c| !matches!(c, ' '..='~'), "?")
 }
