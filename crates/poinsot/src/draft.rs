@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::file_head::quoted;
+use indexmap::IndexMap;
 use poinsot_formats::QuestionFile;
 use poinsot_model::parse_model;
 
@@ -26,21 +27,14 @@ impl Draft {
     /// assert_eq!((questions[0].lines[0], questions[0].text.as_str()), (1, "mass, kg"));
     /// ```
     pub fn questions(&self) -> Vec<QuestionFile> {
-        let mut all: Vec<QuestionFile> = Vec::new();
-        let lines = self.text.lines().enumerate();
-        for (k, line) in lines.filter(|(_, line)| line.contains(OPEN)) {
-            let Some((_, text)) = line.split_once(MARK) else {
-                continue;
-            };
-            match all.iter_mut().find(|question| question.text == text) {
-                Some(question) => question.lines.push(k + 1),
-                None => all.push(QuestionFile {
-                    lines: vec![k + 1],
-                    text: text.to_owned(),
-                }),
-            }
+        let mut all: IndexMap<String, Vec<usize>> = IndexMap::new();
+        let open = (1..).zip(self.text.lines());
+        let open = open.filter(|(_, line)| line.contains(OPEN));
+        for (k, text) in open.filter_map(|(k, line)| Some((k, line.split_once(MARK)?.1))) {
+            all.entry(text.to_owned()).or_default().push(k);
         }
-        all
+        let question = |(text, lines)| QuestionFile { lines, text };
+        all.into_iter().map(question).collect()
     }
 
     /// Writes an answer in place of the marks of a question: a number, a word, or values with blanks between them.
