@@ -10,8 +10,8 @@ use poinsot_formats::{
     ValueFile, address, finite,
 };
 use poinsot_identify::{
-    BodyEstimate, Diagnostics, Estimate, Identifiability, MomentumEstimate, Number, Remark,
-    RemarkKind, SegmentFit,
+    BodyEstimate, DeterminedCombination, Diagnostics, Estimate, Identifiability, KnownEffect,
+    MomentumEstimate, Number, Remark, RemarkKind, SegmentFit, UnobservableCombination,
 };
 use poinsot_model::Model;
 use poinsot_telemetry::checks::Finding;
@@ -166,25 +166,22 @@ pub(crate) fn known_numbers(e: &Estimate) -> KnownNumbersFile {
             .filter_map(|(name, x)| Some((name, (*x).and_then(finite)?)))
             .collect()
     };
+    let effect = |n: &KnownEffect| SensitivityFile {
+        number: address(&n.name, n.unit),
+        unit: n.unit.to_owned(),
+        value: n.value,
+        sigma: n.sigma,
+        estimate: n.estimated.map(|e| e.0),
+        estimate_sigma: n.estimated.map(|e| e.1),
+        step: n.step_words.to_owned(),
+        change: named(&n.changes),
+        variance_share: named(&n.shares),
+    };
     KnownNumbersFile {
         exact: known.exact,
         source_assumed: known.assumed,
         sigma_data: named(&known.sigma_data),
-        sensitivities: known
-            .effects
-            .iter()
-            .map(|n| SensitivityFile {
-                number: address(&n.name, n.unit),
-                unit: n.unit.to_owned(),
-                value: n.value,
-                sigma: n.sigma,
-                estimate: n.estimated.map(|e| e.0),
-                estimate_sigma: n.estimated.map(|e| e.1),
-                step: n.step_words.to_owned(),
-                change: named(&n.changes),
-                variance_share: named(&n.shares),
-            })
-            .collect(),
+        sensitivities: known.effects.iter().map(effect).collect(),
         covariance: known
             .covariance
             .iter()
@@ -195,42 +192,35 @@ pub(crate) fn known_numbers(e: &Estimate) -> KnownNumbersFile {
 
 /// Identifiable and undetermined combinations for the result file.
 pub(crate) fn identifiability(i: &Identifiability) -> IdentifiabilityFile {
-    let coefficients = |list: &[(String, f64)]| {
-        let named = list.iter().map(|(name, c)| (address(name, ""), *c));
-        named.collect()
+    let determined = |c: &DeterminedCombination| DeterminedFile {
+        combination: c.text.clone(),
+        coefficients: addressed(&c.coefficients),
+        unit: c.unit.to_owned(),
+        value: finite(c.value),
+        sigma: finite(c.sigma),
+    };
+    let open = |c: &UnobservableCombination| UndeterminedFile {
+        combination: c.text.clone(),
+        coefficients: addressed(&c.coefficients),
+        reason: c.reason.clone(),
+        remedy: c.remedy.clone(),
+        walk: addressed(&c.walk),
     };
     IdentifiabilityFile {
         parameters: i.parameters,
         rank: i.rank,
         structural_rank: i.structural_rank,
         sigmas_natural: finite_list(&i.sigmas_natural),
-        identifiable: i
-            .determined
-            .iter()
-            .map(|c| DeterminedFile {
-                combination: c.text.clone(),
-                coefficients: coefficients(&c.coefficients),
-                unit: c.unit.to_owned(),
-                value: finite(c.value),
-                sigma: finite(c.sigma),
-            })
-            .collect(),
-        not_identifiable: i
-            .open
-            .iter()
-            .map(|c| UndeterminedFile {
-                combination: c.text.clone(),
-                coefficients: coefficients(&c.coefficients),
-                reason: c.reason.clone(),
-                remedy: c.remedy.clone(),
-                walk: c
-                    .walk
-                    .iter()
-                    .map(|(name, values)| (address(name, ""), values.clone()))
-                    .collect(),
-            })
-            .collect(),
+        identifiable: i.determined.iter().map(determined).collect(),
+        not_identifiable: i.open.iter().map(open).collect(),
     }
+}
+
+/// What belongs to names, by their addresses.
+fn addressed<T: Clone, A: FromIterator<(String, T)>>(named: &[(String, T)]) -> A {
+    let all = named.iter();
+    all.map(|(name, x)| (address(name, ""), x.clone()))
+        .collect()
 }
 
 fn segment_fit(f: &SegmentFit) -> SegmentFitFile {
