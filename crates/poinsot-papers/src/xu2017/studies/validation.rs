@@ -70,24 +70,13 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
         ("swarm, worst seed", moved(worst)?),
         ("linear, n..1", inward),
     ];
-    let joints = "Fig. 13: joint angles, root of the sum of squares";
-    for (name, title, unit, prefix) in [
-        (
-            "fig12_position",
-            "Fig. 12: base position",
-            "m",
-            "base position",
-        ),
-        (
-            "fig12_attitude",
-            "Fig. 12: base attitude",
-            "rad",
-            "base attitude",
-        ),
-        ("fig13_joints", joints, "rad", "joint"),
-    ] {
-        findings.plot(name, plot(title, unit, prefix, &sources));
+    for (name, unit) in [("position", "m"), ("attitude", "rad")] {
+        let of = format!("base {name}");
+        let drawn = plot(&format!("Fig. 12: {of}"), unit, &of, &sources);
+        findings.plot(&format!("fig12_{name}"), drawn);
     }
+    let joints = "Fig. 13: joint angles, root of the sum of squares";
+    findings.plot("fig13_joints", plot(joints, "rad", "joint", &sources));
     Ok(findings)
 }
 
