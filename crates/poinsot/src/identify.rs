@@ -295,11 +295,8 @@ fn read_records(
         check_conventions: false,
         ..read_options(model, &model.telemetry, question.strict, reading.recover)
     };
-    if let Some(wanted) = options
-        .wanted
-        .as_mut()
-        .filter(|_| method(&question.method).is_some_and(|m| m.reads_accelerations))
-    {
+    let accelerations = method(&question.method).is_some_and(|m| m.reads_accelerations);
+    if let (Some(wanted), true) = (&mut options.wanted, accelerations) {
         wanted.extend(acceleration_channels());
     }
     let mut tables = Vec::with_capacity(records.len());

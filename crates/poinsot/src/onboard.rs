@@ -307,19 +307,12 @@ fn noise(model: &Model) -> Result<Noise, Error> {
     let needed = |kind| sigma(kind).ok_or_else(|| no_noise(kind));
     let gyro = model.sensors_of(SensorKind::Gyro).next();
     let random = model.environment.random_torque;
-    let walk = |s: &Sensor| s.kind == SensorKind::Gyro && s.slow.iter().all(SlowError::is_walk);
-    if let Some(sensor) = model
-        .sensors
-        .iter()
-        .find(|s| !s.slow.is_empty() && !walk(s))
-    {
-        return Err(unsupported(
-            format!(
-                "the on-board filter has no slow error of sensor \"{}\"",
-                sensor.name
-            ),
-            "declare white noise that is wide enough, or a walk of the gyro's bias",
-        ));
+    let walks = |s: &Sensor| s.kind == SensorKind::Gyro && s.slow.iter().all(SlowError::is_walk);
+    let mut slow = model.sensors.iter().filter(|s| !s.slow.is_empty());
+    if let Some(Sensor { name, .. }) = slow.find(|s| !walks(s)) {
+        let problem = format!("the on-board filter has no slow error of sensor \"{name}\"");
+        let advice = "declare white noise that is wide enough, or a walk of the gyro's bias";
+        return Err(unsupported(problem, advice));
     }
     let walk = gyro.and_then(|s| s.slow.first()).map(|s| s.covariance);
     Ok(Noise {
