@@ -8,7 +8,7 @@ use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField;
-use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
 /// One real number, or the numbers of several states side by side.
 pub trait Real:
@@ -37,9 +37,6 @@ pub trait Real:
 
     /// Whether every lane of `self` is larger than that of `other`; never for NaN.
     fn exceeds(self, other: Self) -> bool;
-
-    /// The unit quaternion (xyzw) of a rotation.
-    fn quaternion_of(R: &Matrix3<Self>) -> [Self; 4];
 }
 
 impl Real for f64 {
@@ -66,13 +63,6 @@ impl Real for f64 {
     #[inline(always)]
     fn exceeds(self, other: Self) -> bool {
         self > other
-    }
-
-    #[inline]
-    fn quaternion_of(R: &Matrix3<Self>) -> [Self; 4] {
-        let rotation = Rotation3::from_matrix_unchecked(*R);
-        let q = UnitQuaternion::from_rotation_matrix(&rotation);
-        q.coords.into()
     }
 }
 

@@ -4,7 +4,6 @@ use crate::algebra::Real;
 use core::fmt::{Debug, Formatter};
 use core::ops::{Add, Div, Mul, Neg, Sub};
 use fearless_simd::{Level, Simd, dispatch, prelude::*};
-use nalgebra::Matrix3;
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
 /// Most lanes of any instruction set.
@@ -267,19 +266,6 @@ impl<S: Simd> Real for Lanes<S> {
     #[inline(always)]
     fn exceeds(self, other: Self) -> bool {
         self.0.simd_gt(other.0).all_true()
-    }
-
-    /// Lane by lane: what is divided by depends on the rotation.
-    fn quaternion_of(R: &Matrix3<Self>) -> [Self; 4] {
-        let of = R.map(Self::to_array);
-        let mut found = [[0.0; MOST]; 4];
-        for lane in 0..Self::COUNT {
-            let q = f64::quaternion_of(&of.map(|x| x[lane]));
-            for (found, q) in found.iter_mut().zip(q) {
-                found[lane] = q;
-            }
-        }
-        found.map(|numbers| Self::from_array(R.m11.simd(), &numbers))
     }
 }
 

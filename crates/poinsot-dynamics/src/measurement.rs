@@ -13,48 +13,48 @@ mod relative_position;
 mod relative_velocity;
 mod velocity;
 
-use crate::algebra::{M3, Real, V3};
+use crate::algebra::{M3, V3};
 use crate::kinematics::Kinematics;
 use crate::momentum::Twist;
 use crate::quaternion;
 use crate::sensor::SensorKind;
 use crate::tree::{Motion, Tree};
-use nalgebra::{Matrix3, Quaternion, SMatrix, Unit, Vector3};
+use nalgebra::{Matrix3, Rotation3, SMatrix, UnitQuaternion, Vector3};
 
 /// Pose of the base.
 #[derive(Debug, Clone, Copy)]
-pub struct BasePose<T = f64> {
+pub struct BasePose {
     /// `R_NB`.
-    pub R_NB: Unit<Quaternion<T>>,
+    pub R_NB: UnitQuaternion<f64>,
     /// Position of the base origin in N, m.
-    pub p_NoBo_N: Vector3<T>,
+    pub p_NoBo_N: Vector3<f64>,
 }
 
-impl<T: Real> BasePose<T> {
+impl BasePose {
     /// `R_NB` as a matrix.
     #[inline(always)]
-    fn matrix(&self) -> M3<T> {
+    fn matrix(&self) -> M3<f64> {
         quaternion::rotation(&quaternion::numbers(&self.R_NB))
     }
 }
 
 /// A point P fixed in body i, as the base sees it: all in base axes.
 #[derive(Debug, Clone, Copy)]
-pub struct PointMotion<T = f64> {
+pub struct PointMotion {
     /// `R_BBi`.
-    pub R: Matrix3<T>,
+    pub R: Matrix3<f64>,
     /// `p_BoP_B`, m.
-    pub r: Vector3<T>,
+    pub r: Vector3<f64>,
     /// `v_NP_B`, m/s.
-    pub v: Vector3<T>,
+    pub v: Vector3<f64>,
     /// `w_NBi_B`, rad/s.
-    pub w: Vector3<T>,
+    pub w: Vector3<f64>,
 }
 
-impl<T: Real> PointMotion<T> {
+impl PointMotion {
     /// The point at `p_BioP_Bi` of a body, m, from its origin in its axes.
     #[inline(always)]
-    pub fn new(kinematics: &Kinematics<T>, body: usize, p_BioP_Bi: &Vector3<f64>) -> Self {
+    pub fn new(kinematics: &Kinematics, body: usize, p_BioP_Bi: &Vector3<f64>) -> Self {
         let k = kinematics;
         let (p, v, w) = (V3::of(&k.p[body]), V3::of(&k.v[body]), V3::of(&k.w[body]));
         let arm = M3::of(&k.R[body]).times(&V3::of(p_BioP_Bi));
@@ -68,12 +68,10 @@ impl<T: Real> PointMotion<T> {
 
     /// `R_BiB`.
     #[inline(always)]
-    fn R_BiB(&self) -> M3<T> {
+    fn R_BiB(&self) -> M3<f64> {
         M3::of(&self.R).transposed()
     }
-}
 
-impl PointMotion {
     /// The point at `p_BoP_B` of the base, m.
     pub fn of_base(twist: &Twist, p_BoP_B: &Vector3<f64>) -> Self {
         Self {
@@ -87,29 +85,24 @@ impl PointMotion {
 
 /// Derivatives of a point over one joint that carries its body, at a constant twist of the base. In base axes.
 #[derive(Debug, Clone, Copy)]
-pub struct JointEffect<T = f64> {
+pub struct JointEffect {
     /// Turn of the body over the joint's position, and `w` over its rate.
-    pub turn: Vector3<T>,
+    pub turn: Vector3<f64>,
     /// Shift of the point over the joint's position, and `v` over its rate.
-    pub shift: Vector3<T>,
+    pub shift: Vector3<f64>,
     /// `w` over the joint's position.
-    pub w: Vector3<T>,
+    pub w: Vector3<f64>,
     /// `v` over the joint's position.
-    pub v: Vector3<T>,
+    pub v: Vector3<f64>,
 }
 
-impl<T: Real> JointEffect<T> {
+impl JointEffect {
     /// Effect of the joint of body `link`, which carries the point; zero where the joint is fixed. The kinematics move.
     #[inline(always)]
-    pub fn new(
-        tree: &Tree,
-        kinematics: &Kinematics<T>,
-        link: usize,
-        point: &PointMotion<T>,
-    ) -> Self {
+    pub fn new(tree: &Tree, kinematics: &Kinematics, link: usize, point: &PointMotion) -> Self {
         let (k, joint) = (kinematics, &tree.links[link]);
         let axis = joint.axis_in_base(&M3::of(&k.R[link]));
-        let nothing = V3::all(axis.x.all(0.0));
+        let nothing = V3::default();
         let (r, w) = (V3::of(&point.r), V3::of(&k.w[joint.parent]));
         let [turn, shift, dw, dv] = match joint.motion {
             Motion::Revolute(_) => {
@@ -134,80 +127,73 @@ impl<T: Real> JointEffect<T> {
 
 /// What a measurement is a function of.
 #[derive(Debug, Clone, Copy)]
-pub struct Scene<'a, T = f64> {
+pub struct Scene<'a> {
     /// Pose of the base.
-    pub pose: &'a BasePose<T>,
+    pub pose: &'a BasePose,
     /// Point of the sensor; for a relative kind the point that it sees.
-    pub point: &'a PointMotion<T>,
+    pub point: &'a PointMotion,
     /// Origin of the body from which a relative kind sees the point; the base for all other kinds.
-    pub from: &'a PointMotion<T>,
+    pub from: &'a PointMotion,
     /// Unit vector whose direction is measured, in N.
-    pub reference_N: Option<Vector3<T>>,
+    pub reference_N: Option<Vector3<f64>>,
     /// Inertial acceleration of the point in base axes, m/s2. A caller that differentiates it otherwise leaves it out.
-    pub a_NP_B: Option<Vector3<T>>,
+    pub a_NP_B: Option<Vector3<f64>>,
 }
 
 /// Ideal value of a measurement.
 #[derive(Debug, Clone, Copy)]
-pub enum Ideal<T = f64> {
+pub enum Ideal {
     /// Three numbers in the unit of the kind.
-    Vector(Vector3<T>),
+    Vector(Vector3<f64>),
     /// A rotation. Its changes are small turns in the axes of the body whose attitude it is.
-    Rotation(Unit<Quaternion<T>>),
+    Rotation(UnitQuaternion<f64>),
 }
 
-impl<T: Real> Ideal<T> {
+impl Ideal {
     #[inline(always)]
-    fn vector(value: V3<T>) -> Self {
+    fn vector(value: V3<f64>) -> Self {
         Self::Vector(value.stored())
-    }
-
-    /// A rotation by its quaternion, xyzw.
-    #[inline(always)]
-    fn rotation([x, y, z, w]: [T; 4]) -> Self {
-        Self::Rotation(Unit::new_unchecked(Quaternion::new(w, x, y, z)))
     }
 }
 
 /// Ideal measurement with its derivatives.
 #[derive(Debug, Clone, Copy)]
-pub struct Measurement<T = f64> {
+pub struct Measurement {
     /// `h`.
-    pub value: Ideal<T>,
+    pub value: Ideal,
     /// Its rate of change per second, where pose and twist determine it.
-    pub rate: Option<Vector3<T>>,
+    pub rate: Option<Vector3<f64>>,
     /// Derivative over the pose of the base, `[dphi_B, dp_N]`.
-    pub pose: SMatrix<T, 3, 6>,
+    pub pose: SMatrix<f64, 3, 6>,
     /// Derivative over the twist of the base, `[dv_NBo_B, dw_NB_B]`.
-    pub twist: SMatrix<T, 3, 6>,
+    pub twist: SMatrix<f64, 3, 6>,
 }
 
-impl<T: Real> Measurement<T> {
+impl Measurement {
     /// A value that does not depend on the base.
     #[inline(always)]
-    fn new(value: Ideal<T>, zero: T) -> Self {
-        let nothing = SMatrix::from([[zero; 3]; 6]);
+    fn new(value: Ideal) -> Self {
         Self {
             value,
             rate: None,
-            pose: nothing,
-            twist: nothing,
+            pose: SMatrix::zeros(),
+            twist: SMatrix::zeros(),
         }
     }
 }
 
 /// Derivatives of a measurement over one joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OverJoint<T = f64> {
+pub struct OverJoint {
     /// Over its position.
-    pub position: Vector3<T>,
+    pub position: Vector3<f64>,
     /// Over its rate.
-    pub rate: Vector3<T>,
+    pub rate: Vector3<f64>,
 }
 
-impl<T: Real> OverJoint<T> {
+impl OverJoint {
     #[inline(always)]
-    fn new(position: V3<T>, rate: V3<T>) -> Self {
+    fn new(position: V3<f64>, rate: V3<f64>) -> Self {
         Self {
             position: position.stored(),
             rate: rate.stored(),
@@ -215,25 +201,25 @@ impl<T: Real> OverJoint<T> {
     }
 
     #[inline(always)]
-    fn position(position: V3<T>) -> Self {
-        Self::new(position, V3::all(position.x.all(0.0)))
+    fn position(position: V3<f64>) -> Self {
+        Self::new(position, V3::default())
     }
 }
 
 /// Which body of a measurement a joint carries. A joint that carries both bodies of a relative kind changes nothing.
 #[derive(Debug, Clone, Copy)]
-pub enum Carried<'a, T = f64> {
+pub enum Carried<'a> {
     /// That of the point.
-    Point(&'a JointEffect<T>),
+    Point(&'a JointEffect),
     /// That from which the point is seen.
-    From(&'a JointEffect<T>),
+    From(&'a JointEffect),
 }
 
 impl SensorKind {
     /// Ideal measurement of a kind with axes; of a velocity increment the velocity, whose difference it is. `None` for
     /// other kinds, and where the scene lacks what the kind measures.
     #[inline(always)]
-    pub fn measure<T: Real>(self, scene: &Scene<T>) -> Option<Measurement<T>> {
+    pub fn measure(self, scene: &Scene) -> Option<Measurement> {
         match self {
             Self::Gyro => Some(gyro::measure(scene)),
             Self::Attitude => Some(attitude::measure(scene)),
@@ -251,7 +237,7 @@ impl SensorKind {
     /// Derivatives of [`Self::measure`] over a joint, at a constant twist of the base. `None` where there is no
     /// measurement, and for an accelerometer: its derivatives are those of the equation of motion.
     #[inline(always)]
-    pub fn over_joint<T: Real>(self, scene: &Scene<T>, joint: Carried<T>) -> Option<OverJoint<T>> {
+    pub fn over_joint(self, scene: &Scene, joint: Carried) -> Option<OverJoint> {
         match (self, joint) {
             (Self::RelativeAttitude, joint) => Some(relative_attitude::over_joint(scene, joint)),
             (Self::RelativePosition, joint) => Some(relative_position::over_joint(scene, joint)),
@@ -269,9 +255,15 @@ impl SensorKind {
     }
 }
 
+/// A rotation matrix as a quaternion.
+#[inline]
+fn quaternion_of(R: &Matrix3<f64>) -> UnitQuaternion<f64> {
+    UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*R))
+}
+
 /// Two matrices side by side.
 #[inline(always)]
-fn beside<T: Real>(a: &M3<T>, b: &M3<T>) -> SMatrix<T, 3, 6> {
+fn beside(a: &M3<f64>, b: &M3<f64>) -> SMatrix<f64, 3, 6> {
     let ([a, b, c], [d, e, f]) = (a.0, b.0);
     SMatrix::from([a, b, c, d, e, f].map(|v| [v.x, v.y, v.z]))
 }

@@ -41,14 +41,3 @@ pub(crate) fn rate<T: Real>(&[i, j, k, w]: &[T; 4], w_NB_B: &V3<T>) -> [T; 4] {
         -(i * x) - j * y - k * z,
     ]
 }
-
-/// `a b`.
-#[inline(always)]
-pub(crate) fn product<T: Real>(&[i, j, k, w]: &[T; 4], &[x, y, z, v]: &[T; 4]) -> [T; 4] {
-    [
-        w * x + i * v + j * z - k * y,
-        w * y - i * z + j * v + k * x,
-        w * z + i * y - j * x + k * v,
-        w * v - i * x - j * y - k * z,
-    ]
-}

@@ -4,20 +4,20 @@
 
 use super::relative_velocity::apart;
 use super::{Carried, Ideal, Measurement, OverJoint, Scene};
-use crate::algebra::{Real, V3};
+use crate::algebra::V3;
 
 /// `p_BrS_Br = R_BBr^T (p_BoS_B - p_BoBr_B)`.
 #[inline(always)]
-pub(super) fn measure<T: Real>(scene: &Scene<T>) -> Measurement<T> {
+pub(super) fn measure(scene: &Scene) -> Measurement {
     let (to_from, (r, v)) = (scene.from.R_BiB(), apart(scene));
     Measurement {
         rate: Some(to_from.times(&v).stored()),
-        ..Measurement::new(Ideal::vector(to_from.times(&r)), v.x.all(0.0))
+        ..Measurement::new(Ideal::vector(to_from.times(&r)))
     }
 }
 
 #[inline(always)]
-pub(super) fn over_joint<T: Real>(scene: &Scene<T>, joint: Carried<T>) -> OverJoint<T> {
+pub(super) fn over_joint(scene: &Scene, joint: Carried) -> OverJoint {
     let (to_from, (r, _)) = (scene.from.R_BiB(), apart(scene));
     OverJoint::position(match joint {
         Carried::Point(j) => to_from.times(&V3::of(&j.shift)),

@@ -3,11 +3,11 @@
 //! No motion of the base changes it, so that it determines the motion of joints, not of the base.
 
 use super::{Carried, Ideal, Measurement, OverJoint, Scene};
-use crate::algebra::{Real, V3};
+use crate::algebra::V3;
 
 /// Place and velocity of the point relative to body r, in base axes.
 #[inline(always)]
-pub(super) fn apart<T: Real>(scene: &Scene<T>) -> (V3<T>, V3<T>) {
+pub(super) fn apart(scene: &Scene) -> (V3<f64>, V3<f64>) {
     let (seen, from) = (scene.point, scene.from);
     let r = V3::of(&seen.r) - V3::of(&from.r);
     let carried = V3::of(&from.w).cross(&r);
@@ -16,14 +16,13 @@ pub(super) fn apart<T: Real>(scene: &Scene<T>) -> (V3<T>, V3<T>) {
 
 /// Rate of change of `p_BrS_Br`.
 #[inline(always)]
-pub(super) fn measure<T: Real>(scene: &Scene<T>) -> Measurement<T> {
+pub(super) fn measure(scene: &Scene) -> Measurement {
     let (_, v) = apart(scene);
-    let value = Ideal::vector(scene.from.R_BiB().times(&v));
-    Measurement::new(value, v.x.all(0.0))
+    Measurement::new(Ideal::vector(scene.from.R_BiB().times(&v)))
 }
 
 #[inline(always)]
-pub(super) fn over_joint<T: Real>(scene: &Scene<T>, joint: Carried<T>) -> OverJoint<T> {
+pub(super) fn over_joint(scene: &Scene, joint: Carried) -> OverJoint {
     let (to_from, w) = (scene.from.R_BiB(), V3::of(&scene.from.w));
     let (r, v) = apart(scene);
     let (Carried::Point(j) | Carried::From(j)) = joint;
