@@ -1,7 +1,7 @@
 //! Accelerations of every body from forces, joint motion and wheels: the momentum equation
 //! `P' = F`, `H' = T` differentiated in closed form (Newton-Euler recursion; Featherstone 2008, ch. 5).
 
-use crate::algebra::{M3, Real, V3};
+use crate::algebra::{M3, V3};
 use crate::kinematics::Kinematics;
 use crate::momentum::Wrench;
 use crate::tree::{Motion, Tree};
@@ -20,28 +20,19 @@ use poinsot_spatial::{InertialParameters, Vector3};
 /// assert_eq!(accelerations.at_point(&kinematics, 1, &Vector3::x()), Vector3::x() * -8.0);
 /// ```
 #[derive(Debug, Clone, Default)]
-pub struct Accelerations<T = f64> {
+pub struct Accelerations {
     /// Acceleration of body i's origin, m/s2.
-    pub a: Vec<nalgebra::Vector3<T>>,
+    pub a: Vec<Vector3>,
     /// Angular acceleration of body i, rad/s2.
-    pub alpha: Vec<nalgebra::Vector3<T>>,
+    pub alpha: Vec<Vector3>,
 }
 
 impl Accelerations {
     /// Scratch for a tree.
     pub fn new(tree: &Tree) -> Self {
-        Self::over(tree, 0.0)
-    }
-}
-
-impl<T: Real> Accelerations<T> {
-    /// Scratch for a tree over the numbers of `zero`.
-    #[inline(always)]
-    pub(crate) fn over(tree: &Tree, zero: T) -> Self {
-        let nothing = V3::all(zero).stored();
         Self {
-            a: vec![nothing; tree.bodies()],
-            alpha: vec![nothing; tree.bodies()],
+            a: vec![Vector3::zeros(); tree.bodies()],
+            alpha: vec![Vector3::zeros(); tree.bodies()],
         }
     }
 
@@ -51,13 +42,12 @@ impl<T: Real> Accelerations<T> {
     pub fn set_without_base(
         &mut self,
         tree: &Tree,
-        kinematics: &Kinematics<T>,
-        rates: &[T],
-        joint_accelerations: &[T],
+        kinematics: &Kinematics,
+        rates: &[f64],
+        joint_accelerations: &[f64],
     ) {
-        let nothing = V3::all(kinematics.p[0].x.all(0.0)).stored();
-        self.a[0] = nothing;
-        self.alpha[0] = nothing;
+        self.a[0] = Vector3::zeros();
+        self.alpha[0] = Vector3::zeros();
         for (i, link) in tree.links.iter().enumerate().skip(1) {
             let parent = link.parent;
             let r = V3::of(&kinematics.p[i]) - V3::of(&kinematics.p[parent]);
@@ -81,12 +71,7 @@ impl<T: Real> Accelerations<T> {
 
     /// Adds the acceleration of the base, `a` of its origin and `alpha`, to every body.
     #[inline(always)]
-    pub fn add_base(
-        &mut self,
-        kinematics: &Kinematics<T>,
-        a: &nalgebra::Vector3<T>,
-        alpha: &nalgebra::Vector3<T>,
-    ) {
+    pub fn add_base(&mut self, kinematics: &Kinematics, a: &Vector3, alpha: &Vector3) {
         let (a, alpha) = (V3::of(a), V3::of(alpha));
         for (i, p) in kinematics.p.iter().enumerate() {
             let of_base = a + alpha.cross(&V3::of(p));
@@ -97,19 +82,12 @@ impl<T: Real> Accelerations<T> {
 
     /// Inertial acceleration of a point fixed in body i (from its origin, in that body's axes, m), in base axes, m/s2.
     #[inline(always)]
-    pub fn of_point(
-        &self,
-        kinematics: &Kinematics<T>,
-        i: usize,
-        p_BoS_B: &Vector3,
-    ) -> nalgebra::Vector3<T> {
+    pub fn of_point(&self, kinematics: &Kinematics, i: usize, p_BoS_B: &Vector3) -> Vector3 {
         let r = M3::of(&kinematics.R[i]).times(&V3::of(p_BoS_B));
         let (w, alpha) = (V3::of(&kinematics.w[i]), V3::of(&self.alpha[i]));
         (V3::of(&self.a[i]) + alpha.cross(&r) + w.cross(&w.cross(&r))).stored()
     }
-}
 
-impl Accelerations {
     /// Rate of change of the momentum of all bodies `[l'; h']` about the base origin's present place,
     /// inertial rate in base axes, N and N m.
     pub fn momentum_rate(

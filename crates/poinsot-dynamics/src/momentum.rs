@@ -151,7 +151,12 @@ pub fn wheel_momentum(
 /// assert!((whole.I_SScm_B()[(2, 2)] - (1.5 + 8.0 / 3.0)).abs() < 1.0e-12);
 /// ```
 pub fn composite(parameters: &[InertialParameters], kinematics: &Kinematics) -> Composite {
-    Composite::of(&whole(parameters.iter().map(Inertial::of), kinematics, 0.0))
+    let mut whole = Inertial::nothing(0.0);
+    for (i, body) in parameters.iter().enumerate() {
+        let (R, p) = (M3::of(&kinematics.R[i]), V3::of(&kinematics.p[i]));
+        whole += Inertial::of(body).turned(&R).seen_from(&p);
+    }
+    Composite::of(&whole)
 }
 
 /// [`composite`] and [`momentum`] in one pass: every tensor is turned to B once.
@@ -180,21 +185,6 @@ pub fn composite_and_momentum(
         whole += own.seen_from(&p);
     }
     (Composite::of(&whole), stack(&l, &h).into())
-}
-
-/// The same over any numbers.
-#[inline(always)]
-pub(crate) fn whole<T: Real>(
-    bodies: impl Iterator<Item = Inertial<T>>,
-    kinematics: &Kinematics<T>,
-    zero: T,
-) -> Inertial<T> {
-    let mut sum = Inertial::nothing(zero);
-    for (i, body) in bodies.enumerate() {
-        let (R, p) = (M3::of(&kinematics.R[i]), V3::of(&kinematics.p[i]));
-        sum += body.turned(&R).seen_from(&p);
-    }
-    sum
 }
 
 impl Composite {
