@@ -55,8 +55,8 @@
 //!   `inertial.rs`: inertia over the same numbers. `lanes.rs`: several numbers in a vector register, their sines and
 //!   cosines.
 //! - `forward_dynamics.rs`: articulated-body algorithm. `articulated.rs`: inertia of a body with what it carries.
-//! - `batch/`: the same recursions over many states. `rows.rs`: rows in memory. `kernels.rs`, `motion.rs`,
-//!   `propagation.rs`, `sensors.rs`: what is computed. `free_motion.rs`: derivative of a motion under joint forces alone.
+//! - `batch/`: the same recursions over many states. `rows.rs`: rows in memory. `kernels.rs`, `motion.rs`:
+//!   what is computed. `free_motion.rs`: derivative of a motion under joint forces alone.
 //! - `inverse_dynamics.rs`, `mass_matrix.rs`, `jacobian.rs`, `energy.rs`: the other dynamics algorithms.
 //! - `motion/`: a vehicle in time. `plan.rs`, `joint_drive.rs`, `joint_motion.rs`, `wheel_motion.rs`, `attitude_control.rs`:
 //!   what drives it. `piecewise.rs`: functions of time. `reaction_wheel.rs`: limits and friction of a wheel. `flight.rs`: a

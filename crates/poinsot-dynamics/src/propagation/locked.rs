@@ -139,17 +139,15 @@ impl<T: Real> LockedVehicle<T> {
     }
 }
 
-impl<T: Real> BaseMotion<T> {
+impl BaseMotion {
     /// `H^-1 [l; h]`: the base twist `(v, w)` that a momentum about the mass centre gives.
     #[inline(always)]
-    pub(super) fn of_central(&self, l: &V3<T>, h_Scm: &V3<T>) -> (V3<T>, V3<T>) {
+    pub(super) fn of_central(&self, l: &V3<f64>, h_Scm: &V3<f64>) -> (V3<f64>, V3<f64>) {
         let w = self.inverse.times(h_Scm);
         let c = V3::of(&self.centre.p_BoScm_B);
         (*l / self.centre.mass - w.cross(&c), w)
     }
-}
 
-impl BaseMotion {
     /// `H^-1 [l; h]`: the base twist `[v; w]` that a momentum about `Bo` gives, both in B.
     #[inline]
     pub fn twist_of(&self, momentum: &Vector6<f64>) -> Vector6<f64> {

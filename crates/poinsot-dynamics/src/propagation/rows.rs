@@ -24,17 +24,6 @@ pub struct StateRows<T = f64> {
     pub(super) coupled: bool,
 }
 
-impl<T: Real> StateRows<T> {
-    #[inline(always)]
-    pub(super) fn nothing(zero: T) -> Self {
-        Self {
-            attitude: [[zero; HALF]; ATTITUDE],
-            momentum: [[zero; HALF]; HALF],
-            coupled: false,
-        }
-    }
-}
-
 impl<R: Copy> StateRows<R> {
     #[inline(always)]
     pub(super) fn attitude_times<T: Real + Mul<R, Output = T>>(
@@ -111,6 +100,24 @@ impl StateRows {
         }
     }
 
+    /// Change of the momentum's rate `[dP'; dh']` with the state where a force (N) and a torque about the system's mass centre
+    /// (N m) turn with the base: the lower half of `A`.
+    #[inline(always)]
+    pub fn of_wrench(
+        state: &PoseMomentum,
+        force_B: &Vector3<f64>,
+        torque_B: &Vector3<f64>,
+    ) -> Self {
+        let R = quaternion::rotation(&quaternion::numbers(&state.R_NB));
+        let (F, T) = (V3::of(force_B), V3::of(torque_B));
+        let axes = M3::diagonal(1.0).0;
+        let mut rows = Self::NONE;
+        for (j, axis) in axes.iter().enumerate() {
+            rows.attitude[j] = stack(&R.times(&axis.cross(&F)), &R.times(&axis.cross(&T)));
+        }
+        rows
+    }
+
     /// All twelve columns.
     pub fn matrix(&self) -> Matrix6x12 {
         let mut rows = Matrix6x12::zeros();
@@ -148,26 +155,27 @@ pub fn pose_change(R_NB: &Matrix3<f64>, twist: &Vector6<f64>) -> Vector6<f64> {
     Vector6::from(pose_rate(&M3::of(R_NB), &v, &w))
 }
 
-/// The same over any numbers.
+/// The same from the two vectors of the twist.
 #[inline(always)]
-pub(super) fn pose_rate<T: Real>(R_NB: &M3<T>, v: &V3<T>, w: &V3<T>) -> [T; HALF] {
+fn pose_rate(R_NB: &M3<f64>, v: &V3<f64>, w: &V3<f64>) -> [f64; HALF] {
     stack(w, &R_NB.times(v))
 }
 
-impl<T: Real> BaseMotion<T> {
+impl BaseMotion {
     /// Change of the twist `[v; w]` with the state: `V_x`.
     #[inline(always)]
-    pub fn twist_rows(&self, state: &PoseMomentum<T>) -> StateRows<T> {
+    pub fn twist_rows(&self, state: &PoseMomentum) -> StateRows {
         let centre = &self.centre;
-        let zero = centre.mass.all(0.0);
-        let axes = M3::diagonal(zero.all(1.0)).0;
+        let axes = M3::diagonal(1.0).0;
         let to_base = quaternion::rotation(&quaternion::numbers(&state.R_NB))
             .transposed()
             .0;
         let (l, h) = (V3::of(&centre.l_B), V3::of(&centre.h_SScm_B));
-        let nothing = V3::all(zero);
-        let mut rows = StateRows::nothing(zero);
-        rows.coupled = true;
+        let nothing = V3::default();
+        let mut rows = StateRows {
+            coupled: true,
+            ..StateRows::NONE
+        };
         for (j, axis) in axes.iter().enumerate() {
             // R^T a moves by a x dphi when the base turns.
             let (v, w) = self.of_central(&l.cross(axis), &h.cross(axis));
@@ -181,38 +189,23 @@ impl<T: Real> BaseMotion<T> {
 
     /// Change of the pose's rate `[dphi_B'; dp_N']` with the state, from [`Self::twist_rows`]: the upper half of `A`.
     #[inline(always)]
-    pub fn pose_rows(&self, state: &PoseMomentum<T>, twist_rows: &StateRows<T>) -> StateRows<T> {
+    pub fn pose_rows(&self, state: &PoseMomentum, twist_rows: &StateRows) -> StateRows {
         let R = quaternion::rotation(&quaternion::numbers(&state.R_NB));
-        let zero = self.centre.mass.all(0.0);
-        let axes = M3::diagonal(zero.all(1.0)).0;
+        let axes = M3::diagonal(1.0).0;
         let (v, w) = (V3::of(&self.twist.v), V3::of(&self.twist.w));
-        let one_over_mass = zero.all(1.0) / self.centre.mass;
-        let mut rows = StateRows::nothing(zero);
-        rows.coupled = true;
+        let one_over_mass = 1.0 / self.centre.mass;
+        let mut rows = StateRows {
+            coupled: true,
+            ..StateRows::NONE
+        };
         for (j, axis) in axes.iter().enumerate() {
             let (dv, dw) = parts(&twist_rows.attitude[j]);
             let (dv, dw) = (dv - v.cross(axis), dw - w.cross(axis));
             rows.attitude[j] = pose_rate(&R, &dv, &dw);
             // R R^T / m.
-            rows.momentum[j] = stack(&V3::all(zero), &(*axis * one_over_mass));
+            rows.momentum[j] = stack(&V3::default(), &(*axis * one_over_mass));
             let (dv, dw) = parts(&twist_rows.momentum[ATTITUDE + j]);
             rows.momentum[ATTITUDE + j] = pose_rate(&R, &dv, &dw);
-        }
-        rows
-    }
-}
-
-impl<T: Real> StateRows<T> {
-    /// Change of the momentum's rate `[dP'; dh']` with the state where a force (N) and a torque about the system's mass centre
-    /// (N m) turn with the base: the lower half of `A`.
-    #[inline(always)]
-    pub fn of_wrench(state: &PoseMomentum<T>, force_B: &Vector3<T>, torque_B: &Vector3<T>) -> Self {
-        let R = quaternion::rotation(&quaternion::numbers(&state.R_NB));
-        let (F, T) = (V3::of(force_B), V3::of(torque_B));
-        let axes = M3::diagonal(F.x.all(1.0)).0;
-        let mut rows = Self::nothing(F.x.all(0.0));
-        for (j, axis) in axes.iter().enumerate() {
-            rows.attitude[j] = stack(&R.times(&axis.cross(&F)), &R.times(&axis.cross(&T)));
         }
         rows
     }

@@ -27,20 +27,20 @@ impl PartialEq for PoseMomentum {
 
 /// Time derivative of a [`PoseMomentum`].
 #[derive(Debug, Clone, Copy)]
-pub struct PoseMomentumRate<T = f64> {
-    q: [T; 4],
-    p: V3<T>,
-    P: V3<T>,
-    h: V3<T>,
+pub struct PoseMomentumRate {
+    q: [f64; 4],
+    p: V3<f64>,
+    P: V3<f64>,
+    h: V3<f64>,
 }
 
-impl<T: Real> PoseMomentumRate<T> {
+impl PoseMomentumRate {
     /// `twist` is that of the base; force (N) and torque about the system's mass centre (N m) are those from outside, in B.
     #[inline(always)]
     pub fn new(
-        state: &PoseMomentum<T>,
-        twist: &Twist<T>,
-        (force_B, torque_B): (&Vector3<T>, &Vector3<T>),
+        state: &PoseMomentum,
+        twist: &Twist,
+        (force_B, torque_B): (&Vector3<f64>, &Vector3<f64>),
     ) -> Self {
         let q = quaternion::numbers(&state.R_NB);
         let R = quaternion::rotation(&q);
@@ -93,15 +93,14 @@ pub trait Moving: Copy {
     fn until(&self, to: &Self) -> Self::Rate;
 }
 
-impl<T: Real> Moving for PoseMomentum<T> {
-    type Rate = PoseMomentumRate<T>;
+impl Moving for PoseMomentum {
+    type Rate = PoseMomentumRate;
 
     /// The quaternion keeps length one.
     #[inline(always)]
     fn after(&self, rate: &Self::Rate, dt: f64) -> Self {
         let [x, y, z, w] = quaternion::numbers(&self.R_NB);
         let [a, b, c, d] = rate.q;
-        let dt = x.all(dt);
         let q = quaternion::unit([x + a * dt, y + b * dt, z + c * dt, w + d * dt]);
         let p = V3::of(&self.p_NoBo_N) + rate.p * dt;
         let P = V3::of(&self.P) + rate.P * dt;
@@ -112,7 +111,6 @@ impl<T: Real> Moving for PoseMomentum<T> {
     #[inline(always)]
     fn sum(rate: &Self::Rate, other: &Self::Rate, factor: f64) -> Self::Rate {
         let ([x, y, z, w], [a, b, c, d]) = (rate.q, other.q);
-        let factor = rate.p.x.all(factor);
         PoseMomentumRate {
             q: [
                 x + a * factor,
