@@ -7,7 +7,7 @@ use crate::finding::{Key, each};
 use crate::shape::quoted;
 use crate::vehicle::{ErrorKey, JointKind, Nuisance, Sensor, SensorKind, SlowError};
 use poinsot_files::list;
-use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+use poinsot_spatial::{Matrix3, Vector3, principal_axes};
 use serde::Deserialize;
 use std::collections::HashMap;
 use toml::Value;
@@ -307,12 +307,8 @@ impl Check<'_, '_> {
             }
             NoiseFile::Matrix(rows) => {
                 let root = Matrix3::from(rows).transpose();
-                let symmetric = MassProperties {
-                    mass: 1.0,
-                    I_BBcm_B: 0.5 * (root + root.transpose()),
-                    ..MassProperties::ZERO
-                };
-                let (asymmetry, moments) = (root - root.transpose(), symmetric.principal().0);
+                let (moments, _) = principal_axes(&(0.5 * (root + root.transpose())));
+                let asymmetry = root - root.transpose();
                 if asymmetry.amax() <= 1e-9 * root.amax() && moments[0] > 1e-12 * moments[2] {
                     return Some(root * root);
                 }

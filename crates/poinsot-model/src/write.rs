@@ -11,7 +11,7 @@ use crate::vehicle::{
     Body, Environment, FlexibleMode, Joint, JointKind, Model, MomentumKnowledge, Nuisance, Orbit,
     Sensor, SlowError, SpringDamper, SpringNumber, Thruster, Wheel,
 };
-use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+use poinsot_spatial::{MassProperties, Matrix3, Vector3, principal_axes};
 use poinsot_telemetry::TelemetryMap;
 use std::collections::HashMap;
 
@@ -304,12 +304,7 @@ fn noise(covariance: &Matrix3) -> NoiseFile {
             false => NoiseFile::Axes(diagonal.map(f64::sqrt).into()),
         };
     }
-    let (variances, axes) = MassProperties {
-        mass: 1.0,
-        p_BoBcm_B: Vector3::zeros(),
-        I_BBcm_B: *covariance,
-    }
-    .principal();
+    let (variances, axes) = principal_axes(covariance);
     let sigmas = Vector3::from(variances.map(|v| v.max(0.0).sqrt()));
     let root = axes * Matrix3::from_diagonal(&sigmas) * axes.transpose();
     NoiseFile::Matrix((0.5 * (root + root.transpose())).into())

@@ -202,6 +202,27 @@ pub fn tensor([xx, xy, yy, xz, yz, zz]: [f64; 6]) -> Matrix3 {
     Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
 }
 
+/// Eigenvalues of a symmetric matrix in ascending order, and the rotation whose columns are their axes (right-handed).
+///
+/// ```
+/// use poinsot_spatial::{Matrix3, Vector3, principal_axes};
+///
+/// let (moments, axes) = principal_axes(&Matrix3::from_diagonal(&Vector3::new(3.0, 1.0, 2.0)));
+/// assert_eq!(moments, [1.0, 2.0, 3.0]);
+/// assert_eq!(axes.column(0).iamax(), 1);
+/// ```
+pub fn principal_axes(I: &Matrix3) -> ([f64; 3], Matrix3) {
+    let eigen = SymmetricEigen::new(*I);
+    let mut order = [0, 1, 2];
+    order.sort_unstable_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
+    let moments = order.map(|k| eigen.eigenvalues[k]);
+    let mut axes = Matrix3::from_columns(&order.map(|k| eigen.eigenvectors.column(k).into_owned()));
+    if axes.determinant() < 0.0 {
+        axes.set_column(2, &(-axes.column(2)));
+    }
+    (moments, axes)
+}
+
 /// `K` with `I w = K elements(I)`.
 ///
 /// ```
@@ -353,16 +374,7 @@ impl MassProperties {
     /// Principal moments in ascending order, kg m2, and the rotation whose columns are their axes in B
     /// (right-handed).
     pub fn principal(&self) -> ([f64; 3], Matrix3) {
-        let eigen = SymmetricEigen::new(self.I_BBcm_B);
-        let mut order = [0, 1, 2];
-        order.sort_unstable_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
-        let moments = order.map(|k| eigen.eigenvalues[k]);
-        let mut axes =
-            Matrix3::from_columns(&order.map(|k| eigen.eigenvectors.column(k).into_owned()));
-        if axes.determinant() < 0.0 {
-            axes.set_column(2, &(-axes.column(2)));
-        }
-        (moments, axes)
+        principal_axes(&self.I_BBcm_B)
     }
 
     /// The body with the nearest tensor that a mass distribution has: the second moments along its principal axes,

@@ -42,8 +42,8 @@ mod skew;
 
 pub use inertial::{
     InertialParameters, MASS_PROPERTY_NAMES, MASS_PROPERTY_UNITS, MassProperties, PARAMETER_NAMES,
-    TENSOR, Unphysical, elements, parallel_axis, pseudo_inertia, tensor, tensor_index, tensor_name,
-    tensor_regressor,
+    TENSOR, Unphysical, elements, parallel_axis, principal_axes, pseudo_inertia, tensor,
+    tensor_index, tensor_name, tensor_regressor,
 };
 pub use skew::{angular, linear, skew, stacked};
 

@@ -6,7 +6,7 @@ use super::tree::Order;
 use crate::check_body::{PHYSICAL_TOLERANCE, SMALLEST_MASS};
 use crate::vehicle::JointKind;
 use poinsot_files::{excerpt, list, short};
-use poinsot_spatial::{MassProperties, Matrix3, Rotation3, Vector3};
+use poinsot_spatial::{MassProperties, Matrix3, Rotation3, Vector3, principal_axes};
 use std::collections::HashMap;
 
 /// Fixed-axis roll, pitch, yaw: the rotation `Rz(yaw) Ry(pitch) Rx(roll)` from the frame to its parent.
@@ -87,11 +87,7 @@ fn one(link: &Link, remarks: &mut Vec<Remark>) -> MassProperties {
         judge.push(None, problem, "");
     }
     // Moments do not depend on the axes; the original axes have the least rounding.
-    let (moments, _) = MassProperties {
-        I_BBcm_B: tensor,
-        ..found
-    }
-    .principal();
+    let (moments, _) = principal_axes(&tensor);
     judge.gyration(inertial.mass, &moments);
     judge.density(&found);
     judge.moments(&moments);

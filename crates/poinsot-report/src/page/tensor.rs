@@ -2,7 +2,7 @@
 
 use nalgebra::SymmetricEigen;
 use poinsot_figures::Point;
-use poinsot_spatial::{Matrix3, Vector3};
+use poinsot_spatial::{Matrix3, Vector3, principal_axes};
 
 /// Least square of a half-edge, relative to the sum of all.
 const THIN: f64 = 1.0e-4;
@@ -21,12 +21,9 @@ pub(super) fn principal(I: &Matrix3) -> Option<([f64; 3], [Vector3; 3])> {
     if !I.iter().all(|x| x.is_finite()) {
         return None;
     }
-    let eigen = SymmetricEigen::new(*I);
-    let mut order = [0, 1, 2];
-    order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
-    let moments = order.map(|k| eigen.eigenvalues[k]);
-    let mut axes = order.map(|k| {
-        let axis: Vector3 = eigen.eigenvectors.column(k).into_owned();
+    let (moments, axes) = principal_axes(I);
+    let mut axes = [0, 1, 2].map(|k| {
+        let axis: Vector3 = axes.column(k).into_owned();
         if axis[axis.iamax()] < 0.0 {
             -axis
         } else {
