@@ -11,8 +11,8 @@ use minijinja::{Value, context};
 use nalgebra::Cholesky;
 use poinsot_figures::{Arrow, Ellipsoid, Figure, PageError, Part, Scene, Spot, half_width};
 use poinsot_files::significant;
-use poinsot_formats::BodyFile;
-use poinsot_spatial::{Matrix3, Vector3};
+use poinsot_formats::{BodyFile, all_known};
+use poinsot_spatial::{Matrix3, Vector3, tensor};
 
 /// Line width relative to a semi-axis: a thinner interval is not drawn.
 const LINE: f64 = 0.004;
@@ -52,11 +52,7 @@ fn chosen(answer: &Answer) -> Option<(&str, &BodyFile)> {
 
 /// The tensor, if all six elements are determined.
 fn tensor_of(body: &BodyFile) -> Option<Matrix3> {
-    let mut six = [0.0; 6];
-    for (out, (_, n)) in six.iter_mut().zip(body.inertia_kg_m2.named()) {
-        *out = n.value?;
-    }
-    Some(matrix(&six))
+    all_known(body.inertia_kg_m2.map(|n| n.value)).map(tensor)
 }
 
 /// Sigmas of the six elements, and their covariance if the result file has it.
@@ -64,10 +60,7 @@ type Spread = ([f64; 6], Option<[[f64; 6]; 6]>);
 
 fn spread(answer: &Answer, name: &str, body: &BodyFile) -> Option<Spread> {
     let numbers = body.inertia_kg_m2.named();
-    let mut sigmas = [0.0; 6];
-    for (out, (_, n)) in sigmas.iter_mut().zip(&numbers) {
-        *out = n.sigma?;
-    }
+    let sigmas = all_known(numbers.map(|(_, n)| n.sigma))?;
     let covariance = &answer.estimate.covariance;
     let rows = numbers.map(|(element, _)| format!("{name}.inertia_kg_m2.{element}"));
     let mut six = [[0.0; 6]; 6];

@@ -82,11 +82,10 @@ fn centre(b: &DrawnBody) -> Vector3 {
 fn nominal(answer: &Answer, b: &DrawnBody) -> Option<DrawnBody> {
     let found = answer.estimate.bodies.get(&b.name);
     let found = found.filter(|_| b.estimated && !answer.estimate.is_withheld())?;
-    let [xx, yy, zz, xy, xz, yz] = found.inertia_kg_m2.named().map(|n| n.1.nominal);
     Some(DrawnBody {
         mass_kg: found.mass_kg.nominal,
         com_m: found.com_m.map(|n| n.nominal),
-        inertia_kg_m2: [xx, xy, yy, xz, yz, zz],
+        inertia_kg_m2: found.inertia_kg_m2.map(|n| n.nominal),
         ..b.clone()
     })
 }
