@@ -27,10 +27,6 @@ pub struct NoiseLevel {
     pub relative_error: f64,
     /// Whether the estimate may include motion: it still decreases at the last order.
     pub upper_bound: bool,
-    /// Order of the differences used.
-    pub order: usize,
-    /// Number of differences used.
-    pub differences: usize,
     /// Whether all samples are equal.
     pub constant: bool,
     /// Step of which all values are multiples: the least significant bit, or the last digit written.
@@ -76,8 +72,6 @@ pub fn noise_level(channel: &Channel) -> Option<NoiseLevel> {
         sigma: sigma(middle, FIRST_ORDER),
         relative_error: relative_error(count, FIRST_ORDER),
         upper_bound: true,
-        order: FIRST_ORDER,
-        differences: count,
         constant,
         quantum,
         below_quantum: vanishes && !constant,
@@ -87,7 +81,7 @@ pub fn noise_level(channel: &Channel) -> Option<NoiseLevel> {
         level.upper_bound = false;
         return Some(level);
     }
-    while level.order < LAST_ORDER {
+    while differences.order < LAST_ORDER {
         differences.raise();
         let order = differences.order;
         let Some((middle, count)) = differences.middle() else {
@@ -99,7 +93,6 @@ pub fn noise_level(channel: &Channel) -> Option<NoiseLevel> {
             break;
         }
         (level.sigma, level.relative_error) = (next, error);
-        (level.order, level.differences) = (order, count);
     }
     Some(level)
 }
