@@ -12,7 +12,7 @@ use crate::motion::integrate::{Flow, Halt};
 use crate::motion::joint_drive::ForceProfile;
 use crate::motion::rates_momentum::RatesMomentum;
 use crate::motion::stage::{ANGULAR, LINEAR, POSITION, WHEELS};
-use crate::propagation::{LockedVehicle, PoseMomentum};
+use crate::propagation::LockedVehicle;
 use crate::quaternion;
 use crate::tree::Tree;
 
@@ -80,10 +80,10 @@ impl<T: Real> Flow<T> for FreeMotion<'_, T> {
             .set_inertias(tree, self.bodies.iter().copied(), &self.kinematics);
         let (whole, l, h) = self.carried.of(tree, &self.dynamics, rates);
         let locked = LockedVehicle::over(&whole, &whole, (&l, &h)).ok_or(singular)?;
-        let nowhere = V3::all(y[0].all(0.0));
-        let state =
-            PoseMomentum::from_parts(q_NB, &nowhere, &vector(y, LINEAR), &vector(y, ANGULAR));
-        let Twist { v, w } = locked.base_motion(&state).twist;
+        let R_NB = quaternion::rotation(&q_NB);
+        let l = R_NB.transpose_times(&vector(y, LINEAR));
+        let h_SScm_B = R_NB.transpose_times(&vector(y, ANGULAR));
+        let Twist { v, w } = locked.twist(&l, &h_SScm_B);
         self.kinematics.set_velocities(tree, &v, &w, rates);
         let found = &mut dy[JOINTS + dof..JOINTS + 2 * dof];
         self.dynamics

@@ -24,28 +24,28 @@ pub struct LockedVehicle<T = f64> {
 
 /// The system's mass centre with the momentum in B.
 #[derive(Debug, Clone, Copy)]
-pub struct MassCentre<T = f64> {
+pub struct MassCentre {
     /// Its position from the base's origin, m.
-    pub p_BoScm_B: Vector3<T>,
+    pub p_BoScm_B: Vector3<f64>,
     /// Linear momentum, N s.
-    pub l_B: Vector3<T>,
+    pub l_B: Vector3<f64>,
     /// Angular momentum about it, N m s.
-    pub h_SScm_B: Vector3<T>,
+    pub h_SScm_B: Vector3<f64>,
     /// Mass of the system, kg.
-    pub mass: T,
+    pub mass: f64,
     /// Inertia about it, rotors as if locked, kg m2.
-    pub I_SScm_B: Matrix3<T>,
+    pub I_SScm_B: Matrix3<f64>,
 }
 
 /// Twist of the base with what it takes to differentiate it.
 #[derive(Debug, Clone, Copy)]
-pub struct BaseMotion<T = f64> {
+pub struct BaseMotion {
     /// Velocity of the base.
-    pub twist: Twist<T>,
+    pub twist: Twist,
     /// The mass centre.
-    pub centre: MassCentre<T>,
+    pub centre: MassCentre,
     /// Of the inertia about it.
-    inverse: Symmetric<T>,
+    inverse: Symmetric,
 }
 
 impl LockedVehicle {
@@ -55,6 +55,54 @@ impl LockedVehicle {
         let [whole, turning] = [whole, turning].map(|c| Inertial::of(&c.parameters()));
         let (l, h) = parts(&joints.data.0[0]);
         Self::over(&whole, &turning, (&l, &h))
+    }
+
+    /// The vehicle with deflected modes: its mass centre moves by `dc`, its inertia by `dI`; `turning` is what of it follows the base
+    /// at once, and the modes have the momentum `h`.
+    pub(super) fn deflected(
+        &self,
+        dc: &V3<f64>,
+        dI: &Symmetric,
+        (held, h): (&Symmetric, &V3<f64>),
+    ) -> Option<Self> {
+        let turning = self.turning.plus(dI).minus(held);
+        Some(Self {
+            c: self.c + *dc,
+            I_SScm: self.I_SScm.plus(dI),
+            turning,
+            inverse: turning.inverse()?,
+            h_joints: self.h_joints + *h - dc.cross(&self.l_joints),
+            ..*self
+        })
+    }
+
+    /// Inverse of the inertia that turns with the base.
+    pub(super) fn turned(&self) -> M3<f64> {
+        self.inverse.full()
+    }
+
+    /// Mass, mass centre and momentum of the joints.
+    pub(super) fn parts(&self) -> (f64, V3<f64>, V3<f64>) {
+        (self.mass, self.c, self.l_joints)
+    }
+
+    /// The motion of the base that a state gives.
+    #[inline(always)]
+    pub fn base_motion(&self, state: &PoseMomentum) -> BaseMotion {
+        let R_NB = quaternion::rotation(&quaternion::numbers(&state.R_NB));
+        let l = R_NB.transpose_times(&V3::of(&state.P));
+        let h = R_NB.transpose_times(&V3::of(&state.h_SScm_N));
+        BaseMotion {
+            twist: self.twist(&l, &h),
+            centre: MassCentre {
+                p_BoScm_B: self.c.stored(),
+                l_B: l.stored(),
+                h_SScm_B: h.stored(),
+                mass: self.mass,
+                I_SScm_B: self.I_SScm.full().stored(),
+            },
+            inverse: self.inverse,
+        }
     }
 }
 
@@ -82,59 +130,18 @@ impl<T: Real> LockedVehicle<T> {
         })
     }
 
-    /// The vehicle with deflected modes: its mass centre moves by `dc`, its inertia by `dI`; `turning` is what of it follows the base
-    /// at once, and the modes have the momentum `h`.
-    pub(super) fn deflected(
-        &self,
-        dc: &V3<T>,
-        dI: &Symmetric<T>,
-        (held, h): (&Symmetric<T>, &V3<T>),
-    ) -> Option<Self> {
-        let turning = self.turning.plus(dI).minus(held);
-        Some(Self {
-            c: self.c + *dc,
-            I_SScm: self.I_SScm.plus(dI),
-            turning,
-            inverse: turning.inverse()?,
-            h_joints: self.h_joints + *h - dc.cross(&self.l_joints),
-            ..*self
-        })
-    }
-
-    /// Inverse of the inertia that turns with the base.
-    pub(super) fn turned(&self) -> M3<T> {
-        self.inverse.full()
-    }
-
-    /// Mass, mass centre and momentum of the joints.
-    pub(super) fn parts(&self) -> (T, V3<T>, V3<T>) {
-        (self.mass, self.c, self.l_joints)
-    }
-
-    /// About the mass centre the equations decouple: `I w = h - h_joints`, `v = (l - l_joints) / m - w x c`.
+    /// The twist of the base at the momentum `l` and, about the mass centre, `h`, both in B. There the equations decouple:
+    /// `I w = h - h_joints`, `v = (l - l_joints) / m - w x c`.
     #[inline(always)]
-    pub fn base_motion(&self, state: &PoseMomentum<T>) -> BaseMotion<T> {
-        let R_NB = quaternion::rotation(&quaternion::numbers(&state.R_NB));
-        let l = R_NB.transpose_times(&V3::of(&state.P));
-        let h = R_NB.transpose_times(&V3::of(&state.h_SScm_N));
-        let turn = h - self.h_joints;
+    pub(crate) fn twist(&self, l: &V3<T>, h: &V3<T>) -> Twist<T> {
+        let turn = *h - self.h_joints;
         let w = self.inverse.times(&turn);
         // One refinement: errors of the inverse would accumulate and make unobservable directions observable.
         let w = w + self.inverse.times(&(turn - self.turning.times(&w)));
-        let v = (l - self.l_joints) / self.mass - w.cross(&self.c);
-        BaseMotion {
-            twist: Twist {
-                v: v.stored(),
-                w: w.stored(),
-            },
-            centre: MassCentre {
-                p_BoScm_B: self.c.stored(),
-                l_B: l.stored(),
-                h_SScm_B: h.stored(),
-                mass: self.mass,
-                I_SScm_B: self.I_SScm.full().stored(),
-            },
-            inverse: self.inverse,
+        let v = (*l - self.l_joints) / self.mass - w.cross(&self.c);
+        Twist {
+            v: v.stored(),
+            w: w.stored(),
         }
     }
 }

@@ -3,26 +3,19 @@
 use crate::algebra::{Real, V3};
 use crate::momentum::Twist;
 use crate::quaternion;
-use nalgebra::{Quaternion, Unit, Vector3, Vector4};
+use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 
 /// Pose of the base and momentum of the whole vehicle.
-#[derive(Debug, Clone, Copy)]
-pub struct PoseMomentum<T = f64> {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PoseMomentum {
     /// Attitude of the base.
-    pub R_NB: Unit<Quaternion<T>>,
+    pub R_NB: UnitQuaternion<f64>,
     /// Position of the base's origin, m.
-    pub p_NoBo_N: Vector3<T>,
+    pub p_NoBo_N: Vector3<f64>,
     /// Linear momentum in N, N s.
-    pub P: Vector3<T>,
+    pub P: Vector3<f64>,
     /// Angular momentum about the system's mass centre, N m s.
-    pub h_SScm_N: Vector3<T>,
-}
-
-impl PartialEq for PoseMomentum {
-    fn eq(&self, other: &Self) -> bool {
-        let (a, b) = (self, other);
-        (a.R_NB, a.p_NoBo_N, a.P, a.h_SScm_N) == (b.R_NB, b.p_NoBo_N, b.P, b.h_SScm_N)
-    }
+    pub h_SScm_N: Vector3<f64>,
 }
 
 /// Time derivative of a [`PoseMomentum`].
@@ -49,20 +42,6 @@ impl PoseMomentumRate {
             p: R.times(&V3::of(&twist.v)),
             P: R.times(&V3::of(force_B)),
             h: R.times(&V3::of(torque_B)),
-        }
-    }
-}
-
-impl<T: Real> PoseMomentum<T> {
-    #[inline(always)]
-    pub(crate) fn from_parts(q: [T; 4], p: &V3<T>, P: &V3<T>, h: &V3<T>) -> Self {
-        let [x, y, z, w] = q;
-        let coords = Vector4::new(x, y, z, w);
-        Self {
-            R_NB: Unit::new_unchecked(Quaternion { coords }),
-            p_NoBo_N: p.stored(),
-            P: P.stored(),
-            h_SScm_N: h.stored(),
         }
     }
 }
@@ -102,10 +81,12 @@ impl Moving for PoseMomentum {
         let [x, y, z, w] = quaternion::numbers(&self.R_NB);
         let [a, b, c, d] = rate.q;
         let q = quaternion::unit([x + a * dt, y + b * dt, z + c * dt, w + d * dt]);
-        let p = V3::of(&self.p_NoBo_N) + rate.p * dt;
-        let P = V3::of(&self.P) + rate.P * dt;
-        let h = V3::of(&self.h_SScm_N) + rate.h * dt;
-        Self::from_parts(q, &p, &P, &h)
+        Self {
+            R_NB: Unit::new_unchecked(Quaternion::from(q)),
+            p_NoBo_N: (V3::of(&self.p_NoBo_N) + rate.p * dt).stored(),
+            P: (V3::of(&self.P) + rate.P * dt).stored(),
+            h_SScm_N: (V3::of(&self.h_SScm_N) + rate.h * dt).stored(),
+        }
     }
 
     #[inline(always)]
