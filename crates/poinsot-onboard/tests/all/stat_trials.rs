@@ -117,7 +117,7 @@ fn stat_numbers_that_are_hardly_known_are_found() {
             calibrated(
                 &setup.hardly_known().faster(faster),
                 trials().div_ceil(2),
-                0.01,
+                0.02,
             );
         }
     }
