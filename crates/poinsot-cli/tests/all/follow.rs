@@ -87,8 +87,7 @@ fn xval_follow_ends_where_identify_does() {
     agree(last, &estimate);
 }
 
-/// The last line of the filter and the answer of a fit. The filter takes speeds as straight between samples, a fit finds that they are
-/// smooth.
+/// The last line of the filter and the answer of a fit, which smooths the speeds of wheels by samples that come later.
 fn agree(last: &Value, estimate: &Value) {
     for element in ["xx", "yy", "zz", "xy", "xz", "yz"] {
         let (value, sigma) = of_body(estimate, element);
@@ -97,7 +96,7 @@ fn agree(last: &Value, estimate: &Value) {
         let ratio = own["sigma"].as_f64().unwrap() / sigma;
         let off = (own["value"].as_f64().unwrap() - value) / sigma;
         println!("{element}: {off:.2} sigma from identify, sigma {ratio:.3} of its sigma");
-        assert!(off.abs() < 2.0 && (0.8..1.3).contains(&ratio));
+        assert!(off.abs() < 1.0 && (0.8..1.3).contains(&ratio));
     }
 }
 
@@ -210,7 +209,7 @@ const WHEELS: [([f64; 3], f64); 3] = [
 ];
 
 /// Simulates `truth.toml`, follows and identifies with `model.toml`: the last line, and the answer.
-fn turned(folder: &Path, truth: &str, model: &str, seed: u32) -> (Value, Value) {
+fn turned(folder: &Path, truth: &str, model: &str, (rate_hz, seed): (u32, u32)) -> (Value, Value) {
     let at = |name: &str| folder.join(name);
     std::fs::write(at("truth.toml"), truth).unwrap();
     std::fs::write(at("model.toml"), model).unwrap();
@@ -224,7 +223,7 @@ wheel_motion = [
     {{ wheel = "w2", time_s = [0, 40, 80, 140], speed_rad_s = [0, -180, 140, 10], interpolation = "cubic_clamped" }},
     {{ wheel = "w3", time_s = [0, 50, 90, 140], speed_rad_s = [0, 160, -120, 30], interpolation = "cubic_clamped" }},
 ]
-output = {{ rate_hz = 7, seed = {seed} }}
+output = {{ rate_hz = {rate_hz}, seed = {seed} }}
 "#
     );
     std::fs::write(at("case.toml"), case).unwrap();
@@ -251,23 +250,23 @@ fn errors(last: &Value, estimate: &Value) -> Vec<(f64, f64)> {
     each.collect()
 }
 
-/// Nominal moments of inertia a third to a half off: passes over the first samples, which tell little, end in an alarm. Those over more do
-/// not, and what was tried before costs no knowledge.
+/// Nominal moments of inertia a third to a half off, on a bus that starts from rest: what the first samples tell is little, and the bias of
+/// the gyro is larger than its rate. At 20 Hz numbers were 13 sigma off.
 #[test]
 fn regress_a_far_nominal_costs_time_alone() {
     let inertia = TRUE_INERTIA.map(|(element, x)| format!("{element} = {x}"));
     let truth = turned_from_rest("exact = true", &inertia.join(", "), WHEELS);
     let far = "xx = 5.6, yy = 3.6, zz = 4.3";
     let model = turned_from_rest("exact = true", far, WHEELS);
-    for seed in 11..16 {
+    for (rate_hz, seed) in [(7, 11), (7, 12), (14, 13), (20, 14), (28, 14)] {
         let folder = tempfile::tempdir().unwrap();
-        let (last, estimate) = turned(folder.path(), &truth, &model, seed);
-        // It takes speeds as straight between samples, which costs up to twice the sigma here.
+        let (last, estimate) = turned(folder.path(), &truth, &model, (rate_hz, seed));
+        assert_eq!(last["health"], "determined");
         let errors = errors(&last, &estimate);
         assert!(
             errors
                 .iter()
-                .all(|(off, ratio)| off.abs() < 4.5 && *ratio < 2.5)
+                .all(|(off, ratio)| off.abs() < 4.5 && (0.9..1.2).contains(ratio))
         );
     }
 }
@@ -286,7 +285,7 @@ fn xval_follow_takes_known_numbers_as_identify_does() {
     let nominal = "xx = 4.5, yy = 4.9, zz = 3.5";
     let model = turned_from_rest("source = \"cad\"", nominal, WHEELS);
     let folder = tempfile::tempdir().unwrap();
-    let (last, estimate) = turned(folder.path(), &truth, &model, 3);
+    let (last, estimate) = turned(folder.path(), &truth, &model, (7, 3));
     assert_eq!(last["health"], "determined");
     for (off, ratio) in errors(&last, &estimate) {
         assert!(off.abs() < 3.5 && (0.9..1.1).contains(&ratio));
@@ -299,7 +298,7 @@ fn xval_follow_takes_known_numbers_as_identify_does() {
     let uncertain: Vec<usize> = (0..prior.uncertain.len())
         .filter(|k| prior.uncertain[*k])
         .collect();
-    assert_eq!(uncertain.len(), 6 + 9 + 3);
+    assert_eq!(uncertain.len(), 6 + 9 + 3 + 1);
     // zz is the last of the six: its variance where the known numbers are given, and with them.
     let mut row = vec![0.0; uncertain.len()];
     let mut variance = 0.0;
