@@ -260,9 +260,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     #[inline(never)]
     fn is_settled(&self) -> Option<bool> {
         let info = self.of_parameters();
-        let Layout {
-            unknown, numbers, ..
-        } = self.layout;
+        let (unknown, numbers) = (self.layout.unknown, self.layout.numbers);
         let change = info.solution(numbers)?;
         let given_known = info.whitened(&change, unknown);
         let square = given_known.max(info.whitened(&change, numbers));

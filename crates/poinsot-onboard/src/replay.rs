@@ -30,8 +30,9 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     pub(crate) fn process(&mut self, sample: &Sample) {
         let moving = Moving::new(&self.configuration, &self.numbers);
         let h = moving.wheel_momentum(&sample.wheel_speed);
-        let gap = self.configuration.longest_gap_s;
-        let bend = self.course.next(sample.time_s, h, gap);
+        let bend = self
+            .course
+            .next(sample.time_s, h, self.configuration.longest_gap_s);
         if self.window.done {
             let verdict = self.step(sample, bend, true);
             self.conclude(verdict);

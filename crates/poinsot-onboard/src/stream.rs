@@ -55,14 +55,15 @@ impl Course {
     pub fn next(&mut self, time: f64, h: Vector3, longest_gap_s: f64) -> Bend {
         let last = self.last.replace((time, h));
         let last = last.map(|(from, h_from)| (time - from, h - h_from));
-        let here = last.filter(|(dt, _)| (0.0..longest_gap_s).contains(dt));
+        let here = last.filter(|(dt, _)| *dt > 0.0 && *dt <= longest_gap_s);
         let here = here.map(|(dt, change)| (dt, change / dt));
         let before = core::mem::replace(&mut self.before, here);
         let mut bend = Bend::NONE;
         if let (Some((dt, torque)), Some((dt_before, torque_before))) = (here, before) {
             // Below a parabola through all three, from the second to the third.
             let second = (torque - torque_before) / (dt + dt_before);
-            bend.curve = (second * (-dt.powi(3) / 6.0)).into();
+            let finite = |x: f64| if x.is_finite() { x } else { 0.0 };
+            bend.curve = (second * (-dt.powi(3) / 6.0)).map(finite).into();
         }
         bend
     }
