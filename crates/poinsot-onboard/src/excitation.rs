@@ -1,7 +1,7 @@
 //! What of the motion the record has shown.
 
 use crate::configuration::{Configuration, INPUTS, ITERATIONS, JOINTS, of_joint, of_rate};
-use crate::numbers::AXES;
+use crate::numbers::{AXES, WHEELS};
 use crate::placed::Placed;
 use crate::sample::Sample;
 use nalgebra::{ArrayStorage, SymmetricEigen};
@@ -175,8 +175,11 @@ impl Excitation {
             let slope = configuration.noise.attitude / self.elapsed_s;
             of_start = of_start.min(12.0 * slope * slope * (n - 1.0) / (n * (n + 1.0)));
         }
-        let inputs = placed.input_twists(configuration);
-        let of_inputs: f64 = inputs.iter().map(|t| angular(t).norm_squared()).sum();
+        let inputs = placed.input_twists(configuration).into_iter().enumerate();
+        // A joint that stands is taken where it stands.
+        let moves = |k: usize| k < WHEELS || self.moving[(k - WHEELS) % JOINTS] > 0;
+        let inputs = inputs.filter(|(k, _)| moves(*k));
+        let of_inputs: f64 = inputs.map(|(_, t)| angular(&t).norm_squared()).sum();
         // At the most likely inputs, by gyro, tachometers and encoders together.
         let gyro = AXES as f64 * of_gyro * of_gyro;
         let jitter = gyro * of_inputs / (gyro + of_inputs).max(f64::MIN_POSITIVE);
