@@ -153,8 +153,6 @@ pub(crate) struct KeptRow {
     pub at: usize,
     pub raw: Vector3,
     pub white: Vector3,
-    /// Logarithm of the determinant of its noise.
-    pub log_det: f64,
     /// Slopes of the prediction, then the residual; all whitened.
     pub rows: Vec<Vec<f64>>,
 }
@@ -386,7 +384,6 @@ impl<'a> SegmentComparison<'a> {
                 at: self.now,
                 raw,
                 white,
-                log_det: self.segment.observations.sensors[i].log_det(),
                 rows: (0..3).map(row).collect(),
             });
         }
@@ -476,7 +473,6 @@ impl<'a> SegmentComparison<'a> {
                 at: 0,
                 raw: *residual,
                 white,
-                log_det: 0.0,
                 rows: (0..3).map(row).collect(),
             });
         }

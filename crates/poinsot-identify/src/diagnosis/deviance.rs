@@ -16,9 +16,7 @@ pub(crate) fn deviance(experiment: &Experiment, fitted: &Fitted) -> f64 {
     for (segment, one) in segments.zip(&fitted.evaluated) {
         let records = &segment.observations.sensors;
         for channel in &one.channels {
-            let own = records.iter().find(|r| r.name == channel.name);
-            let log_det = own.map_or(0.0, |r| r.log_det());
-            sum += channel.white.len() as f64 * log_det;
+            sum += channel.white.len() as f64 * records[channel.sensor].log_det();
         }
     }
     let calibration = prior::calibration(experiment.problem, experiment.parameters, &fitted.at.x);

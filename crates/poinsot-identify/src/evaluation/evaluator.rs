@@ -266,11 +266,12 @@ impl<'a> Evaluator<'a> {
                     white: Vec::new(),
                     first_row: rows.residuals.len(),
                 };
+                let log_det = segment.observations.sensors[channel.sensor].log_det();
                 for row in one.kept.of(Some(channel.sensor)) {
                     residuals.time_s.push(segment.observations.time_s[row.at]);
                     residuals.raw.push(row.raw);
                     residuals.white.push(row.white);
-                    deviance += row.log_det + channel.numbers as f64 * std::f64::consts::TAU.ln();
+                    deviance += log_det + channel.numbers as f64 * std::f64::consts::TAU.ln();
                     rows.push_all(&row.rows, place);
                 }
                 sensors.push(residuals);
