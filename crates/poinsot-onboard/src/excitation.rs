@@ -13,6 +13,8 @@ const MEMORY: f64 = 1000.0;
 /// a motion.
 const JITTER: f64 = 4.0;
 const STARTING: f64 = 40.0;
+/// Most attitudes in a row that tell a velocity: beyond, errors of the numbers move it more.
+const HORIZON: f64 = 100.0;
 /// Factor on the noise of an encoder beyond which a joint moves, and samples for which it then counts as moving.
 const SEEN: f64 = 6.0;
 const MOVES: u32 = 32;
@@ -114,14 +116,12 @@ impl Excitation {
 
     /// Takes the directions from what was collected.
     pub fn settle(&mut self) {
-        let noise = self.noise();
-        let eigen = SymmetricEigen::try_new(self.scatter, f64::EPSILON, ITERATIONS);
-        let Some(eigen) = eigen else {
+        let Some(eigen) = SymmetricEigen::try_new(self.scatter, f64::EPSILON, ITERATIONS) else {
             return;
         };
         self.projector = Matrix3::zeros();
         for (k, value) in eigen.eigenvalues.iter().enumerate() {
-            if *value > noise {
+            if *value > self.errors() {
                 let direction = eigen.eigenvectors.column(k);
                 self.projector += direction * direction.transpose();
             }
@@ -143,13 +143,12 @@ impl Excitation {
             return;
         }
         let rest = Matrix3::identity() - self.projector;
-        let noise = ADDED * self.noise();
+        let noise = ADDED * self.errors();
         let across = rest * self.scatter * rest;
         if across.trace() <= noise {
             return;
         }
-        let eigen = SymmetricEigen::try_new(across, f64::EPSILON, ITERATIONS);
-        let Some(eigen) = eigen else {
+        let Some(eigen) = SymmetricEigen::try_new(across, f64::EPSILON, ITERATIONS) else {
             return;
         };
         let (largest, value) = eigen.eigenvalues.argmax();
@@ -160,8 +159,8 @@ impl Excitation {
         }
     }
 
-    /// Sum of squares of a velocity that may be noise, in its variance.
-    fn noise(&self) -> f64 {
+    /// Sum of squares of a velocity that may be an error, in its variance.
+    fn errors(&self) -> f64 {
         STARTING + JITTER * self.samples
     }
 
@@ -169,11 +168,14 @@ impl Excitation {
     fn variance(&self, configuration: &Configuration, placed: &Placed) -> f64 {
         let (of_gyro, of_bias) = (configuration.noise.gyro, configuration.noise.bias);
         let mut of_start = of_gyro * of_gyro + of_bias * of_bias;
-        let n = self.attitudes;
-        if n > 1.0 {
-            // Of the slope through points at even steps.
-            let slope = configuration.noise.attitude / self.elapsed_s;
-            of_start = of_start.min(12.0 * slope * slope * (n - 1.0) / (n * (n + 1.0)));
+        if self.attitudes > 1.0 {
+            // Of the slope through points at even steps, with what torques without a model do over them.
+            let step_s = self.elapsed_s / (self.attitudes - 1.0);
+            let slope = configuration.noise.attitude / step_s;
+            let walk = configuration.noise.torque_walk / placed.motion.centre.I_SScm_B.trace();
+            let n = self.attitudes.min(HORIZON);
+            let of_slope = 12.0 * slope * slope / (n * (n * n - 1.0));
+            of_start = of_start.min(of_slope + walk * walk * step_s * n);
         }
         let inputs = placed.input_twists(configuration).into_iter().enumerate();
         // A joint that stands is taken where it stands.

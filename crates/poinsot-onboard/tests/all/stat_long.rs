@@ -2,7 +2,7 @@
 
 use crate::setups::{self, Setup};
 use crate::truth::{Noise, samples};
-use poinsot_onboard::{Answer, Health, Sample};
+use poinsot_onboard::{Answer, Health, Sample, WHEELS};
 
 const LENGTH: usize = 100_000;
 /// Between one such record and the next, where more are asked for, s: the motion starts anew there.
@@ -101,22 +101,36 @@ fn stat_a_common_factor_of_inertia_and_wheel_keeps_its_prior() {
     assert!((0.99..1.01).contains(&kept));
 }
 
-/// A turn about one axis, which its wheel drives: the inertia about the other axes does not show.
-#[test]
-fn stat_inertia_that_does_not_show_keeps_its_prior() {
+/// A bus that turns about one axis alone, with its wheel or without one.
+fn turning_about_one_axis(wheels: usize) -> Setup {
     let mut setup = setups::bus_with_wheels();
     setup.truth.I = nalgebra::Matrix3::from_diagonal(&nalgebra::Vector3::new(10.0, 12.0, 8.0));
     setup.truth.c = nalgebra::Vector3::zeros();
     setup.configuration.nominal[..10].copy_from_slice(&setup.truth.parameters());
     setup.truth.start.w = nalgebra::Vector3::new(0.0, 0.0, 0.004);
     setup.configuration.wheels[0].axis_B = [0.0, 0.0, 1.0];
-    setup.configuration.wheel_count = 1;
-    let answer = long_run(&mut setup);
-    let shown = (4..10).map(|k| answer.numbers[k].sigma / setup.sigma[k]);
-    let kept: Vec<f64> = shown.collect();
-    println!("xx, xy, yy, xz, yz, zz: {kept:.5?} of the prior");
-    assert!(kept[..3].iter().all(|k| (0.99..1.01).contains(k)));
-    assert!(kept[3..].iter().all(|k| *k < 1.0e-3));
+    setup.configuration.wheel_count = wheels;
+    if wheels == 0 {
+        setup.truth.motors = |_| [0.0; WHEELS];
+    }
+    setup
+}
+
+/// The inertia about the other axes does not show, without a wheel not that about this one either, whatever torques are declared.
+#[test]
+fn stat_inertia_that_does_not_show_keeps_its_prior() {
+    for (wheels, walk) in [(1, 0.0), (0, 0.0), (0, 1.0e-5), (0, 1.0e-4), (1, 1.0e-4)] {
+        let mut setup = turning_about_one_axis(wheels);
+        setup.configuration.noise.torque_walk = walk;
+        let answer = long_run(&mut setup);
+        let shown = (4..10).map(|k| answer.numbers[k].sigma / setup.sigma[k]);
+        let kept: Vec<f64> = shown.collect();
+        println!("{wheels} wheels, walk {walk}: xx, xy, yy, xz, yz, zz: {kept:.5?} of the prior");
+        let hidden = [0, 1, 2].into_iter().chain((wheels == 0).then_some(5));
+        assert!(hidden.into_iter().all(|k| (0.99..1.01).contains(&kept[k])));
+        assert!(kept[3..5].iter().all(|k| *k < 0.1));
+        assert!(wheels == 0 || walk > 0.0 || kept[3..].iter().all(|k| *k < 1.0e-3));
+    }
 }
 
 /// An arm that stands still on a turning base: of the ten numbers of its payload the ratios of the inertia of the whole show, five
