@@ -290,7 +290,7 @@ impl Configuration {
     /// ```
     #[must_use]
     pub fn with_curve(mut self) -> Self {
-        let last = self.uncertain().count();
+        let last = self.uncertain().filter(|k| *k != CURVE).count();
         self.uncertain[CURVE] = true;
         self.nominal[CURVE] = 0.5;
         self.prior[(last, last)] = 2.0;
