@@ -353,7 +353,6 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let posture = moving.posture(&inputs);
         let whole = posture.whole.mass_properties()?;
         let (l, h) = (linear(&posture.momentum), angular(&posture.momentum));
-        let moving = Moving::new(&self.configuration, &self.numbers);
         let h = h + moving.wheel_momentum(&inputs);
         let h_B = whole.I_BBcm_B * w + h - whole.p_BoBcm_B.cross(&l);
         let mut state = FlexibleState::from(PoseMomentum {

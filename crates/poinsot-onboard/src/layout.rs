@@ -147,8 +147,8 @@ impl Layout {
 }
 
 /// Columns that any configuration with exact known numbers fits into: the state with a position and modes, the bias, all parameters and
-/// the curve of the wheels, a column more for each input at the other end of an interval and for the mean of each wheel, the noises of both momenta and of the bias,
-/// and `z`. Known numbers have room where there are wheels or joints alone.
+/// the curve of the wheels, a column more for each input at the other end of an interval and for the mean of each wheel, the noises of both
+/// momenta and of the bias, and `z`. Known numbers have room where there are wheels or joints alone.
 pub const COLUMNS: usize =
     INPUTS + STATE + INTERNAL + AXES + PARAMETERS + 1 + INPUTS + WHEELS + 3 * AXES + 1;
 
