@@ -166,13 +166,13 @@ impl Excitation {
 
     /// Variance of the estimated velocity: the gyro's bias counts until attitudes tell the velocity better, and errors of the inputs always.
     fn variance(&self, configuration: &Configuration, placed: &Placed) -> f64 {
-        let (of_gyro, of_bias) = (configuration.noise.gyro, configuration.noise.bias);
-        let mut of_start = of_gyro * of_gyro + of_bias * of_bias;
+        let noise = &configuration.noise;
+        let mut of_start = noise.gyro * noise.gyro + noise.bias * noise.bias;
         if self.attitudes > 1.0 {
             // Of the slope through points at even steps, with what torques without a model do over them.
             let step_s = self.elapsed_s / (self.attitudes - 1.0);
-            let slope = configuration.noise.attitude / step_s;
-            let walk = configuration.noise.torque_walk / placed.motion.centre.I_SScm_B.trace();
+            let slope = noise.attitude / step_s;
+            let walk = noise.torque_walk / placed.motion.centre.I_SScm_B.diagonal().mean();
             let n = self.attitudes.min(HORIZON);
             let of_slope = 12.0 * slope * slope / (n * (n * n - 1.0));
             of_start = of_start.min(of_slope + walk * walk * step_s * n);
@@ -183,7 +183,7 @@ impl Excitation {
         let inputs = inputs.filter(|(k, _)| moves(*k));
         let of_inputs: f64 = inputs.map(|(_, t)| angular(&t).norm_squared()).sum();
         // At the most likely inputs, by gyro, tachometers and encoders together.
-        let gyro = AXES as f64 * of_gyro * of_gyro;
+        let gyro = AXES as f64 * noise.gyro * noise.gyro;
         let jitter = gyro * of_inputs / (gyro + of_inputs).max(f64::MIN_POSITIVE);
         (of_start + jitter).max(f64::MIN_POSITIVE)
     }
