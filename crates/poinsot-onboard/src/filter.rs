@@ -5,11 +5,13 @@ use crate::configuration::{Configuration, INPUTS, ITERATIONS, of_rate};
 use crate::excitation::Excitation;
 use crate::health::{Checkpoints, SENSORS, SensorCounts, Tests};
 use crate::information::{OfParameters, Rows, back_substitute, copy_triangle, eliminate};
-use crate::layout::{Layout, noises};
-use crate::motion::{Acting, Bend, Columns, Flexing, Interval, Linear, Moving, Scratch, motion_of};
+use crate::layout::{Layout, ROTATION, dot, noises};
+use crate::motion::{
+    Acting, Bend, Columns, Flexing, Interval, Linear, Moving, Over, Scratch, motion_of,
+};
 use crate::numbers::{AXES, MOUNTING, NUMBERS, Numbers, PARAMETERS};
 use crate::placed::Placed;
-use crate::posture::Posture;
+use crate::posture::InertiaSlopes;
 use crate::sample::Sample;
 use crate::slopes::Slopes;
 use crate::stream::{Course, Stream, Window};
@@ -35,18 +37,13 @@ const SWINGING: f64 = 0.1;
 /// Components of momentum in the kernels' state.
 const LINEAR: usize = 6;
 const ANGULAR: usize = 9;
+/// Components of the state in a row that turn and shift the vehicle.
+const OF_TURN: usize = AXES;
+const OF_SHIFT: usize = 3 * AXES;
 /// Share of the largest square of a combination below which it is round-off.
 const ROUND_OFF: f64 = 1.0e-12;
 
 type TenByTen = SMatrix<f64, PARAMETERS, PARAMETERS>;
-
-/// `A^T x` of the first `D` rows and columns, at most.
-fn transposed_times<const D: usize>(A: &SMatrix<f64, COLUMN, COLUMN>, x: &Column) -> Column {
-    let mut out = *x;
-    let head = A.fixed_view::<D, D>(0, 0).tr_mul(&x.fixed_rows::<D>(0));
-    out.fixed_rows_mut::<D>(0).copy_from(&head);
-    out
-}
 
 /// The motion that is followed.
 #[derive(Debug, Clone, Copy)]
@@ -70,6 +67,13 @@ impl Running {
     fn found(&self) -> [f64; INPUTS] {
         core::array::from_fn(|k| self.inputs[k] - self.read[k])
     }
+}
+
+/// The most likely change of the numbers.
+pub(crate) struct Change {
+    pub by: Numbers,
+    /// The largest share of sigma in it, or a bound of it below [`MOVED`].
+    pub farthest: f64,
 }
 
 /// The last interval.
@@ -129,7 +133,6 @@ pub(crate) struct Here {
     /// That at which columns are taken, and its state.
     pub motion: FlexibleMotion,
     state: FlexibleState,
-    pub posture: Posture,
     R: Matrix3,
 }
 
@@ -138,7 +141,7 @@ impl Here {
     pub fn placed<'a>(&'a self, scratch: &'a Scratch) -> Placed<'a> {
         let flexing = scratch.flexing[0].as_ref();
         Placed {
-            posture: &self.posture,
+            posture: &scratch.posture,
             motion: &self.motion,
             modes: flexing.map(|f| (&f.flexible, &self.state.internal)),
         }
@@ -248,35 +251,24 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         out
     }
 
-    /// The most likely change of the numbers.
+    /// The most likely change of the numbers, and the largest share of sigma in it: of the unknown numbers where the known ones are given,
+    /// of these beside all others.
     // What is copied of the triangle is not on the stack of what follows, here and in the next functions.
     #[inline(never)]
-    pub(crate) fn solution(&self) -> Option<Numbers> {
-        self.of_parameters().solution(self.layout.numbers)
-    }
-
-    /// Whether the parameters are so near their estimate that the motion stays, as far as norms tell: they bound what
-    /// [`Self::sigma_of_motion`] is compared with, without a covariance.
-    #[inline(never)]
-    fn is_settled(&self) -> Option<bool> {
-        let info = self.of_parameters();
+    pub(crate) fn change(&self) -> Option<Change> {
         let (unknown, numbers) = (self.layout.unknown, self.layout.numbers);
-        let change = info.solution(numbers)?;
-        let given_known = info.whitened(&change, unknown);
-        let square = given_known.max(info.whitened(&change, numbers));
-        Some(square <= MOVED * MOVED)
-    }
-
-    /// Sigma within which a motion may move before it is linearised anew: of the unknown numbers where the known ones are given.
-    #[inline(never)]
-    pub(crate) fn sigma_of_motion(&self) -> Numbers {
-        let Layout {
-            unknown, numbers, ..
-        } = self.layout;
         let info = self.of_parameters();
-        let mut out = info.sigma(numbers);
-        out[..unknown].copy_from_slice(&info.sigma(unknown)[..unknown]);
-        out
+        let by = info.solution(numbers)?;
+        // The norm bounds the shares, without a covariance.
+        let norm = info.whitened(&by, unknown).max(info.whitened(&by, numbers));
+        let mut farthest = norm.sqrt();
+        if farthest > MOVED {
+            let mut sigma = info.sigma(numbers);
+            sigma[..unknown].copy_from_slice(&info.sigma(unknown)[..unknown]);
+            let shares = by.iter().zip(&sigma).take(numbers);
+            farthest = shares.fold(0.0, |most: f64, (x, s)| most.max((x / s).abs()));
+        }
+        Some(Change { by, farthest })
     }
 
     /// Remembers what is known where a motion begins.
@@ -322,20 +314,22 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         self.running = None;
     }
 
-    /// Follows a motion over an interval, and its columns, or those of the numbers alone.
+    /// Follows a motion over an interval, with columns over the numbers, or else over state and inputs.
     fn follow(
         &mut self,
         from: &FlexibleState,
         interval: &Interval,
-        numbers_alone: bool,
+        numbers: bool,
     ) -> Option<FlexibleState> {
         let moving = Moving::new(&self.configuration, &self.numbers);
-        self.columns.begin(&self.configuration);
         let linear = Linear {
             columns: &mut self.columns,
             shown: &self.shown,
             scratch: &mut self.scratch,
-            numbers_alone,
+            over: match numbers {
+                true => Over::Numbers,
+                false => Over::State(self.layout.state()),
+            },
         };
         moving.follow(from, interval, linear)
     }
@@ -443,7 +437,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             dt: sample.time_s - running.time_s,
         };
         self.shown.watch(&self.configuration, sample);
-        running.state = self.follow(&running.state, &interval, false)?;
+        running.state = self.follow(&from, &interval, false)?;
         running.time_s = sample.time_s;
         (running.read, running.inputs) = (inputs, inputs);
         running.force_B = sample.force_B.into();
@@ -456,6 +450,15 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
 
     /// The triangle over the state at the end of an interval: the old state is replaced, the noises that entered are eliminated.
     fn update_time(&mut self, interval: &Interval) -> Option<()> {
+        match self.layout.state().len() {
+            ROTATION => self.update_state::<ROTATION>(interval),
+            STATE => self.update_state::<STATE>(interval),
+            _ => self.update_state::<COLUMN>(interval),
+        }
+    }
+
+    /// The same with a state of at most `D` components.
+    fn update_state<const D: usize>(&mut self, interval: &Interval) -> Option<()> {
         let layout = self.layout;
         let (noise, dt) = (self.configuration.noise, interval.dt);
         let inputs = layout.inputs().len();
@@ -467,50 +470,45 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let twists = here.placed(&self.scratch).input_twists(&self.configuration);
         let twists = twists.map(|t| angular(&t));
         let theta = layout.theta();
-        let back = match layout.modes {
-            0 => self.columns.inverse::<STATE>()?,
-            _ => self.columns.inverse::<COLUMN>()?,
-        };
+        let back = self.columns.inverse::<D>(&layout.state)?;
         let walk = dt.abs().sqrt();
         let [turn, shift] = self.momentum_noise(interval);
-        let columns = &self.columns;
-        for i in 0..theta {
-            let (row, out) = (&self.rows[i], &mut self.work[i]);
-            let over = match layout.modes {
-                0 => transposed_times::<STATE>(&back, &layout.of_state(row)),
-                _ => transposed_times::<COLUMN>(&back, &layout.of_state(row)),
-            };
+        let end = theta + layout.numbers;
+        for (row, out) in self.rows[..theta].iter().zip(&mut self.work) {
             *out = [0.0; N];
-            for (k, &input) in layout.inputs().iter().enumerate() {
-                out[k] = row[k] - layout.dot(&over, &columns.inputs[0][input]);
-                out[gone + k] = -layout.dot(&over, &columns.inputs[1][input]);
-            }
-            let of_bias: [f64; AXES] = core::array::from_fn(|axis| row[layout.bias() + axis]);
+            let state = layout.of_row(row);
+            let of_row = SVector::<f64, D>::from_fn(|k, _| state.get(k).copied().unwrap_or(0.0));
+            let over = back.tr_mul(&of_row);
+            let (start, of_bias) = (gone + layout.pose(), &row[layout.bias()..theta]);
+            let part = |first: usize| over.as_slice().get(first..).unwrap_or_default();
             let entering = [
-                (over.fixed_rows::<AXES>(ANGULAR).into(), turn),
-                (over.fixed_rows::<AXES>(LINEAR).into(), shift),
-                (of_bias, noise.bias_walk * walk),
+                (true, part(OF_TURN), turn),
+                (self.configuration.translates(), part(OF_SHIFT), shift),
+                (noise.bias_walk > 0.0, of_bias, noise.bias_walk * walk),
             ];
-            let counted = [true, self.configuration.translates(), noise.bias_walk > 0.0];
-            let entering = entering.iter().zip(counted).filter(|(_, counts)| *counts);
-            for (k, &input) in layout.inputs().iter().enumerate().take(means) {
-                out[entered + k] = -over.fixed_rows::<AXES>(0).dot(&twists[input]) * of_mean;
-            }
+            let entering = entering.iter().filter(|(counts, ..)| *counts);
             let places = out[inputs..entered].chunks_exact_mut(AXES);
-            for (places, ((slopes, sigma), _)) in places.zip(entering) {
-                for (place, slope) in places.iter_mut().zip(slopes) {
+            for (places, (_, slopes, sigma)) in places.zip(entering) {
+                for (place, slope) in places.iter_mut().zip(*slopes) {
                     *place = -slope * sigma;
                 }
             }
-            for (k, component) in layout.state().iter().enumerate() {
-                out[gone + layout.pose() + k] = over[*component];
-            }
-            let bias = layout.bias();
-            out[gone + bias..gone + theta].copy_from_slice(&row[bias..theta]);
-            for (j, &k) in layout.numbers().iter().enumerate() {
-                out[gone + theta + j] = row[theta + j] - layout.dot(&over, &columns.numbers[k]);
-            }
+            out[start..start + state.len()].copy_from_slice(&over.as_slice()[..state.len()]);
+            out[gone + layout.bias()..gone + end].copy_from_slice(&row[layout.bias()..end]);
             out[N - 1] = row[N - 1];
+        }
+        for (k, &input) in layout.inputs().iter().enumerate() {
+            let [from, to] = [0, 1].map(|at| layout.of_column(&self.columns.inputs[at][input]));
+            let twist = twists[input].as_slice();
+            for (row, out) in self.rows[..theta].iter().zip(&mut self.work) {
+                let state = &out[gone + layout.pose()..gone + layout.bias()];
+                let (of_from, of_to) = (dot(state, &from), dot(state, &to));
+                let of_turn = dot(state, twist);
+                if k < means {
+                    out[entered + k] = -of_turn * of_mean;
+                }
+                (out[k], out[gone + k]) = (row[k] - of_from, -of_to);
+            }
         }
         // The noises of unit size: those of the inputs at the end, which stay, and those that go.
         for k in 0..gone {
@@ -553,9 +551,8 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     fn take_out(&mut self, noises: usize, rows: usize) {
         let columns = self.layout.columns();
         let end = noises + rows;
-        for pivot in 0..end {
-            eliminate(&mut self.work, pivot, pivot + 1..end, noises + columns);
-        }
+        let width = noises + columns;
+        eliminate(&mut self.work, 0..end, |pivot| pivot + 1..end, width);
         for (i, (row, out)) in self.work[noises..end]
             .iter()
             .zip(&mut self.rows)
@@ -600,26 +597,27 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     pub(crate) fn here(&mut self) -> Option<Here> {
         let running = self.running.as_mut()?;
         let moving = Moving::new(&self.configuration, &self.numbers);
-        let flexing = &mut self.scratch.flexing[0];
-        let mut place = |posture: &Posture| {
+        let Scratch {
+            posture, flexing, ..
+        } = &mut self.scratch;
+        let flexing = &mut flexing[0];
+        let mut place = |inputs: &[f64; INPUTS]| {
+            posture.set(&self.configuration, &self.numbers, inputs);
             let locked = moving.place(posture, &Acting::zeros(), flexing)?;
             let flexible = flexing.as_ref().map(|f| &f.flexible);
             motion_of(&locked, flexible, &running.state)
         };
-        let mut posture = moving.posture(&running.inputs);
-        let mut motion = place(&posture)?;
+        let mut motion = place(&running.inputs)?;
         running.rate = motion.twist.w;
         let calm = self.shown.calm(&running.inputs);
         if calm != running.inputs {
-            posture = moving.posture(&calm);
-            motion = place(&posture)?;
+            motion = place(&calm)?;
         }
         Some(Here {
             rate: running.rate,
             state: running.state,
             R: running.state.R_NB.to_rotation_matrix().into_inner(),
             motion,
-            posture,
         })
     }
 
@@ -638,23 +636,20 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     fn over_rates(&mut self, here: &Here, sign: f64) {
         let layout = self.layout;
         let slopes = Slopes::new(&self.configuration, here.placed(&self.scratch), &self.shown);
-        // What a number does to the momenta, pose and rates held, as a change of the state.
-        let all = &mut self.columns.numbers;
-        for (&k, out) in layout.numbers().iter().zip(&mut *all) {
+        let theta = layout.theta();
+        for (j, &k) in layout.numbers().iter().enumerate() {
+            // What the number does to the momenta, pose and rates held, as a change of the state.
             let slope = slopes.of(k);
             let (l, h) = (linear(&slope.momentum), angular(&slope.momentum));
-            out.fill(0.0);
+            let mut out = Column::zeros();
             out.fixed_rows_mut::<AXES>(LINEAR).copy_from(&(here.R * l));
             out.fixed_rows_mut::<AXES>(ANGULAR).copy_from(&(here.R * h));
             for (mode, momentum) in slope.of_modes.iter().enumerate() {
                 out[STATE + 2 * mode + 1] = *momentum;
             }
-        }
-        let theta = layout.theta();
-        for row in &mut self.rows[..theta] {
-            let over = layout.of_state(row);
-            for (number, slope) in row[theta..layout.columns()].iter_mut().zip(&*all) {
-                *number += sign * layout.dot(&over, slope);
+            let out = layout.of_column(&out);
+            for row in &mut self.rows[..theta] {
+                row[theta + j] += sign * dot(layout.of_row(row), &out);
             }
         }
     }
@@ -663,11 +658,14 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     fn measure(&mut self, sample: &Sample, step: Option<Step>) -> Option<()> {
         let age = self.running?.age;
         let mut consistent = true;
+        // Before, not all of the state is known.
+        if let Some(gyro) = sample.gyro.filter(|_| age >= SETTLING) {
+            self.smooth_inputs(gyro.into())?;
+        }
+        if let Some(step) = step {
+            self.add_numbers(step)?;
+        }
         if let Some(gyro) = sample.gyro {
-            // Before, not all of the state is known.
-            if age >= SETTLING {
-                self.smooth_inputs(gyro.into(), step)?;
-            }
             let measurement = self.gyro(gyro.into())?;
             consistent &= self.update(&measurement, age);
         }
@@ -725,7 +723,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     /// The angular velocity at the speeds of tachometers and encoders has their noise, and so has the gyro's innovation about it. Slopes
     /// over the inertia at that velocity are correlated with the innovation, which biases the estimate by a share of its sigma that
     /// grows with the root of the number of samples. At the most likely inputs they are not correlated.
-    fn smooth_inputs(&mut self, measured: Vector3, step: Option<Step>) -> Option<()> {
+    fn smooth_inputs(&mut self, measured: Vector3) -> Option<()> {
         let inputs = self.layout.inputs().len();
         if inputs == 0 {
             return Some(());
@@ -740,29 +738,20 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
                 let moved = row.iter().zip(&change).take(inputs);
                 row[N - 1] -= moved.map(|(slope, x)| slope * x).sum::<f64>();
             }
-            let far = change.iter().take(inputs).any(|x| x.abs() > MOVED);
-            if let (Some(step), true) = (step, far) {
-                self.straighten(step)?;
-            }
         }
         Some(())
     }
 
-    /// Linearises the last interval about the inputs found at its end.
-    fn straighten(&mut self, mut step: Step) -> Option<()> {
+    /// Adds what the numbers do over the last interval, linearised about the inputs found at its end.
+    fn add_numbers(&mut self, mut step: Step) -> Option<()> {
         step.interval.found[1] = self.running?.found();
-        let before = self.columns.numbers;
         self.follow(&step.from, &step.interval, true)?;
-        let layout = self.layout;
-        let changes = &mut self.columns.numbers;
-        for &k in layout.numbers() {
-            changes[k] -= before[k];
-        }
+        let (layout, columns) = (self.layout, &self.columns.numbers);
         let theta = layout.theta();
-        for row in &mut self.rows[..theta] {
-            let over = layout.of_state(row);
-            for (number, &k) in row[theta..].iter_mut().zip(layout.numbers()) {
-                *number -= layout.dot(&over, &changes[k]);
+        for (j, &k) in layout.numbers().iter().enumerate() {
+            let column = layout.of_column(&columns[k]);
+            for row in &mut self.rows[..theta] {
+                row[theta + j] -= dot(layout.of_row(row), &column);
             }
         }
         Some(())
@@ -820,10 +809,8 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let columns = self.layout.columns();
         copy_triangle(&self.rows, &mut self.work, columns);
         self.work[columns..columns + AXES].copy_from_slice(&measurement.rows);
-        for pivot in 0..columns {
-            let below = columns..columns + AXES;
-            eliminate(&mut self.work, pivot, below, columns);
-        }
+        let below = |_| columns..columns + AXES;
+        eliminate(&mut self.work, 0..columns, below, columns);
         Vector3::from_fn(|axis, _| self.work[columns + axis][N - 1])
     }
 
@@ -860,29 +847,24 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
 
     /// Moves the parameters to their estimate where they moved by more than a tenth of a sigma, and the motion with them.
     pub(crate) fn follow_parameters(&mut self) -> Option<()> {
-        if self.is_settled()? {
-            return Some(());
-        }
-        let count = self.layout.numbers;
-        let change = self.solution()?;
-        let sigma = self.sigma_of_motion();
-        let mut moved = change.iter().zip(&sigma).take(count);
-        if moved.all(|(change, sigma)| change.abs() <= MOVED * sigma) {
+        let change = self.change()?;
+        if change.farthest <= MOVED {
             return Some(());
         }
         let mut numbers = self.numbers;
-        for (&k, change) in self.layout.numbers().iter().zip(&change) {
+        for (&k, change) in self.layout.numbers().iter().zip(&change.by) {
             numbers[k] += change;
         }
         let mut of_state = [0.0; N];
-        let known = back_substitute(&self.rows, 0..self.layout.theta(), &change, &mut of_state);
+        let state = 0..self.layout.theta();
+        let known = back_substitute(&self.rows, state, &change.by, &mut of_state);
         // An impossible vehicle has no motion: the last possible one stays the point of linearisation.
         if known.is_none() || !self.configuration.is_possible(&numbers) {
             return Some(());
         }
         self.shift(&of_state, numbers)?;
         let first = self.layout.theta();
-        for row in &mut self.rows[first..first + count] {
+        for row in &mut self.rows[first..self.layout.columns()] {
             row[N - 1] = 0.0;
         }
         Some(())
@@ -899,9 +881,15 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         self.move_inputs(change)?;
         let here = self.here()?;
         self.over_rates(&here, 1.0);
+        let moved: Numbers = core::array::from_fn(|k| numbers[k] - self.numbers[k]);
+        let moves = moved != [0.0; NUMBERS];
+        let before = moves.then(|| self.scratch.posture.inertia_slopes(&here.motion));
         let layout = self.layout;
         let running = self.running.as_mut()?;
-        let state = layout.of_state(change);
+        let mut state = Column::zeros();
+        for (component, x) in layout.state().iter().zip(layout.of_row(change)) {
+            state[*component] = *x;
+        }
         let part = |first: usize| Vector3::new(state[first], state[first + 1], state[first + 2]);
         let of_state = &mut running.state;
         of_state.R_NB *= UnitQuaternion::from_scaled_axis(part(0));
@@ -913,19 +901,21 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         for axis in 0..AXES {
             running.bias[axis] += change[layout.bias() + axis];
         }
-        let moved: Numbers = core::array::from_fn(|k| numbers[k] - self.numbers[k]);
         self.numbers = numbers;
         let there = self.here()?;
         self.shown
             .add(&self.configuration, &there.placed(&self.scratch));
-        if moved == [0.0; NUMBERS] {
+        let Some(before) = before else {
             self.over_rates(&there, -1.0);
             return Some(());
-        }
-        let carried = self.carried(&moved, &here, &there)?;
+        };
+        let carried = self.carried(&moved, (&here, &before), &there)?;
         // A common factor of inertia and wheels may be what does not show.
         let mut shares = [0.0; PARAMETERS];
-        let (I, R) = (&there.motion.centre.I_SScm_B, &there.posture.unknown.R);
+        let (I, R) = (
+            &there.motion.centre.I_SScm_B,
+            &self.scratch.posture.unknown.R,
+        );
         shares[AXES + 1..].copy_from_slice(&self.shown.shares(I, R));
         let theta = layout.theta();
         for row in &mut self.rows[..layout.columns()] {
@@ -946,9 +936,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         self.over_rates(&there, -1.0);
         // The parameters' own rows are no triangle any more.
         let end = layout.columns();
-        for pivot in theta..end {
-            eliminate(&mut self.rows, pivot, pivot + 1..end, end);
-        }
+        eliminate(&mut self.rows, theta..end, |pivot| pivot + 1..end, end);
         Some(())
     }
 
@@ -959,9 +947,15 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     /// that all parameters show, common factors of inertia and of mass and first moments stay as they are.
     // Its matrices are not on the stack of every sample.
     #[inline(never)]
-    fn carried(&self, moved: &Numbers, here: &Here, there: &Here) -> Option<TenByTen> {
+    fn carried(
+        &self,
+        moved: &Numbers,
+        (here, old): (&Here, &InertiaSlopes),
+        there: &Here,
+    ) -> Option<TenByTen> {
         let I = &there.motion.centre.I_SScm_B;
-        let R = &there.posture.unknown.R;
+        let posture = &self.scratch.posture;
+        let R = &posture.unknown.R;
         if self.configuration.translates() {
             let mut scales = [0.0; PARAMETERS];
             scales[0] = 1.0 / self.numbers[0];
@@ -971,7 +965,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
                 false => 0.0,
             }));
         }
-        let [old, new] = [here, there].map(|at| at.posture.inertia_slopes(&at.motion));
+        let new = posture.inertia_slopes(&there.motion);
         let sigma = SVector::<f64, PARAMETERS>::from_fn(|k, _| self.prior_sigma[k]);
         let scaled = old * TenByTen::from_diagonal(&sigma);
         let eigen = SymmetricEigen::try_new(scaled * scaled.transpose(), f64::EPSILON, ITERATIONS)?;

@@ -5,17 +5,36 @@ use crate::triangle::Triangle;
 use core::ops::Range;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField;
+#[cfg(feature = "std")]
+use poinsot_dynamics::vectorised;
 
 /// Rows of `[R z]`; `z` is in the last column.
 pub type Rows<const N: usize> = [[f64; N]; N];
 
-/// Zeroes a column below its pivot by one Householder reflection of the rows, which have `width` columns and `z`.
+/// Zeroes columns in the rows that `below` gives of each by Householder reflections of the rows, which have `width` columns and `z`.
 pub fn eliminate<const N: usize>(
     rows: &mut Rows<N>,
-    pivot: usize,
-    below: Range<usize>,
+    pivots: Range<usize>,
+    below: impl Fn(usize) -> Range<usize>,
     width: usize,
 ) {
+    vectorised(
+        #[inline(always)]
+        || {
+            for pivot in pivots {
+                reflect(rows, pivot, below(pivot), width);
+            }
+        },
+    );
+}
+
+#[cfg(not(feature = "std"))]
+fn vectorised<R>(work: impl FnOnce() -> R) -> R {
+    work()
+}
+
+#[inline(always)]
+fn reflect<const N: usize>(rows: &mut Rows<N>, pivot: usize, below: Range<usize>, width: usize) {
     let (above, rest) = rows.split_at_mut(below.start);
     let (top, rest) = (&mut above[pivot], &mut rest[..below.len()]);
     let square: f64 = rest.iter().map(|row| row[pivot] * row[pivot]).sum();
@@ -42,6 +61,7 @@ pub fn eliminate<const N: usize>(
 }
 
 /// Adds so many times a row to another one, in some columns and `z`.
+#[inline(always)]
 fn add<const N: usize>(to: &mut [f64; N], row: &[f64; N], factor: f64, columns: &Range<usize>) {
     let of_row = &row[columns.clone()];
     for (to, x) in to[columns.clone()].iter_mut().zip(of_row) {

@@ -7,7 +7,7 @@ use poinsot_dynamics::propagation::{COLUMN, Column, INTERNAL, STATE};
 /// Components of the kernels' state `[dphi_B, dp_N, dP_N, dh_N]` in the order of the filter's columns; without a position the first six
 /// count. Amplitude and momentum of each mode follow.
 const FREE: [usize; STATE] = [0, 1, 2, 9, 10, 11, 3, 4, 5, 6, 7, 8];
-const ROTATION: usize = 6;
+pub const ROTATION: usize = 6;
 
 /// Places of the columns.
 #[derive(Debug, Clone, Copy)]
@@ -15,8 +15,8 @@ pub struct Layout {
     /// Errors of the inputs that have noise, the first columns.
     inputs: [usize; INPUTS],
     input_count: usize,
-    /// Components of the kernels' state, in the order of the columns.
-    state: [usize; COLUMN],
+    /// Components of the kernels' state, in the order of the columns, then the others.
+    pub state: [usize; COLUMN],
     state_count: usize,
     /// Modes.
     pub modes: usize,
@@ -52,12 +52,13 @@ impl Layout {
         } else {
             ROTATION
         };
-        let internal = STATE..STATE + 2 * layout.modes;
-        let state = FREE.into_iter().take(free).chain(internal);
-        for (place, component) in layout.state.iter_mut().zip(state) {
+        let used = STATE + 2 * layout.modes;
+        let state = FREE.into_iter().take(free).chain(STATE..used);
+        let others = FREE.into_iter().skip(free).chain(used..COLUMN);
+        for (place, component) in layout.state.iter_mut().zip(state.chain(others)) {
             *place = component;
-            layout.state_count += 1;
         }
+        layout.state_count = free + used - STATE;
         let noisy = (0..INPUTS).filter(|k| configuration.input_noise(*k) > 0.0);
         for (place, k) in layout.inputs.iter_mut().zip(noisy) {
             *place = k;
@@ -114,20 +115,17 @@ impl Layout {
     }
 
     /// The components of the state in a row over the columns.
-    pub fn of_state<const N: usize>(&self, row: &[f64; N]) -> Column {
-        let mut state = Column::zeros();
-        for (k, component) in self.state().iter().enumerate() {
-            state[*component] = row[self.pose() + k];
-        }
-        state
+    pub fn of_row<'a, const N: usize>(&self, row: &'a [f64; N]) -> &'a [f64] {
+        &row[self.pose()..self.bias()]
     }
 
-    /// Product of two columns over the state that there is.
-    pub fn dot(&self, a: &Column, b: &Column) -> f64 {
-        match self.modes {
-            0 => a.fixed_rows::<STATE>(0).dot(&b.fixed_rows::<STATE>(0)),
-            _ => a.dot(b),
+    /// Those of a column of the kernels, in the order of a row.
+    pub fn of_column(&self, column: &Column) -> [f64; COLUMN] {
+        let mut out = [0.0; COLUMN];
+        for (to, component) in out.iter_mut().zip(self.state()) {
+            *to = column.data.0[0][*component];
         }
+        out
     }
 
     /// First column of the gyro bias.
@@ -169,4 +167,9 @@ pub fn noises(configuration: &Configuration) -> usize {
     let momenta = if configuration.translates() { 2 } else { 1 };
     let bias = usize::from(configuration.noise.bias_walk > 0.0);
     (momenta + bias) * AXES
+}
+
+/// Product of the state in a row, and a column in its order.
+pub fn dot(of_row: &[f64], column: &[f64]) -> f64 {
+    of_row.iter().zip(column).map(|(a, b)| a * b).sum()
 }

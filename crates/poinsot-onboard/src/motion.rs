@@ -12,8 +12,8 @@ use nalgebra::ComplexField;
 use nalgebra::{ArrayStorage, SMatrix};
 use poinsot_dynamics::propagation::{
     BaseMotion, COLUMN, Column, Drives, Flexibility, FlexibleMotion, FlexibleRate, FlexibleState,
-    Internal, LockedVehicle, ModeRows, PoseMomentumRate, Rates, STATE, StateRows, StepPoint,
-    StepRows, pose_change, runge_kutta_step, state_in_middle,
+    Internal, LockedVehicle, ModeRows, PoseMomentumRate, Rates, StateRows, StepPoint, StepRows,
+    pose_change, runge_kutta_step, state_in_middle,
 };
 use poinsot_spatial::{Matrix3, Vector3, Vector6, stacked};
 
@@ -96,29 +96,29 @@ impl Columns {
         }
     };
 
-    /// Inverse of the first `D` rows and columns of what the state becomes; the others stay.
+    /// Inverse of what the `D` components of the state become.
     // Its matrices are not on the stack of every sample.
     #[inline(never)]
-    pub fn inverse<const D: usize>(&self) -> Option<SMatrix<f64, COLUMN, COLUMN>> {
-        let own = SMatrix::<f64, D, D>::from_fn(|i, j| self.state[j][i]).try_inverse()?;
-        let mut out = SMatrix::<f64, COLUMN, COLUMN>::identity();
-        out.fixed_view_mut::<D, D>(0, 0).copy_from(&own);
-        Some(out)
+    pub fn inverse<const D: usize>(&self, components: &[usize]) -> Option<SMatrix<f64, D, D>> {
+        SMatrix::<f64, D, D>::from_fn(|i, j| self.state[components[j]][components[i]]).try_inverse()
     }
 
     /// At the beginning of an interval.
-    pub fn begin(&mut self, configuration: &Configuration) {
+    fn begin(&mut self, configuration: &Configuration, over: Over) {
+        if let Over::Numbers = over {
+            for k in configuration.uncertain() {
+                self.numbers[k] = Column::zeros();
+            }
+            return;
+        }
         for (k, column) in self.state.iter_mut().enumerate() {
-            column.fill(0.0);
+            *column = Column::zeros();
             column[k] = 1.0;
         }
         for k in configuration.driven() {
-            self.inputs
-                .iter_mut()
-                .for_each(|of_end| of_end[k].fill(0.0));
-        }
-        for k in configuration.uncertain() {
-            self.numbers[k].fill(0.0);
+            for of_end in &mut self.inputs {
+                of_end[k] = Column::zeros();
+            }
         }
     }
 }
@@ -128,8 +128,15 @@ pub struct Linear<'a> {
     pub columns: &'a mut Columns,
     pub shown: &'a Excitation,
     pub scratch: &'a mut Scratch,
-    /// Whether the columns of state and inputs are not asked for.
-    pub numbers_alone: bool,
+    pub over: Over<'a>,
+}
+
+/// Columns that are asked for.
+#[derive(Debug, Clone, Copy)]
+pub enum Over<'a> {
+    /// Over these components of the state, and the inputs.
+    State(&'a [usize]),
+    Numbers,
 }
 
 /// The vehicle at one value of the numbers.
@@ -140,9 +147,11 @@ pub struct Moving<'a> {
     wheels: [Vector3; WHEELS],
 }
 
-/// The equations at one point of a step.
+/// The vehicle and the equations at one point of a step.
 #[derive(Debug, Clone)]
 struct Point {
+    at: [f64; INPUTS],
+    posture: Posture,
     pose: StateRows,
     push: StateRows,
     inputs: [Vector6; INPUTS],
@@ -173,6 +182,8 @@ impl Default for Flexing {
 /// What a step is computed in: too large for the stack.
 #[derive(Debug, Clone)]
 pub struct Scratch {
+    /// The vehicle as it was placed last.
+    pub posture: Posture,
     /// Of a vehicle with modes.
     pub flexing: [Option<Flexing>; 3],
     points: [Point; 3],
@@ -182,6 +193,8 @@ impl Point {
     const NONE: Self = {
         let none = Vector6::from_array_storage(ArrayStorage([[0.0; 6]]));
         Self {
+            at: [0.0; INPUTS],
+            posture: Posture::NONE,
             pose: StateRows::NONE,
             push: StateRows::NONE,
             inputs: [none; INPUTS],
@@ -194,6 +207,7 @@ impl Point {
 impl Scratch {
     /// For a vehicle without modes.
     pub const NONE: Self = Self {
+        posture: Posture::NONE,
         flexing: [const { None }; 3],
         points: [Point::NONE; 3],
     };
@@ -393,9 +407,14 @@ impl<'a> Moving<'a> {
         interval: &Interval,
         mut linear: Linear,
     ) -> Option<FlexibleState> {
+        linear.columns.begin(self.configuration, linear.over);
         let inputs = interval.inputs_at(0.0);
-        let first = &mut linear.scratch.flexing[0];
-        let start = self.place(&self.posture(&inputs), &Acting::zeros(), first)?;
+        let Scratch {
+            posture, flexing, ..
+        } = &mut *linear.scratch;
+        let first = &mut flexing[0];
+        posture.set(self.configuration, self.numbers, &inputs);
+        let start = self.place(posture, &Acting::zeros(), first)?;
         let flexible = first.as_ref().map(|f| &f.flexible);
         let joints = inputs[of_rate(0)..].iter().map(|rate| rate.abs());
         let swings = flexible.map_or(0.0, |f| f.fastest(&start, true));
@@ -425,17 +444,17 @@ impl<'a> Moving<'a> {
         (shares, dt): ([f64; 3], f64),
         linear: &mut Linear,
     ) -> Option<FlexibleState> {
-        let flexing = &mut linear.scratch.flexing;
-        let place = |share: f64, flexing: &mut Option<Flexing>| {
-            let inputs = interval.inputs_at(share);
-            let beyond = interval.beyond(share, self.numbers);
-            self.place(&self.posture(&inputs), &beyond, flexing)
+        let Scratch {
+            flexing, points, ..
+        } = &mut *linear.scratch;
+        let mut place = |at: usize| {
+            let point = &mut points[at];
+            point.at = interval.inputs_at(shares[at]);
+            (point.posture).set(self.configuration, self.numbers, &point.at);
+            let beyond = interval.beyond(shares[at], self.numbers);
+            self.place(&point.posture, &beyond, &mut flexing[at])
         };
-        let locked = &[
-            place(shares[0], &mut flexing[0])?,
-            place(shares[1], &mut flexing[1])?,
-            place(shares[2], &mut flexing[2])?,
-        ];
+        let locked = &[place(0)?, place(1)?, place(2)?];
         let mut over = OverStep {
             locked,
             flexing,
@@ -446,9 +465,13 @@ impl<'a> Moving<'a> {
         let last = over.rate(StepPoint::End, &end)?;
         let middle = state_in_middle((state, &rate), (&end, &last), dt);
         for (at, state) in [state, &middle, &end].into_iter().enumerate() {
-            let Scratch { flexing, points } = linear.scratch;
+            let Scratch {
+                flexing, points, ..
+            } = linear.scratch;
             let place = (&mut flexing[at], &mut points[at]);
-            self.point(state, (interval, shares[at]), linear.shown, place)?;
+            let about = (state, &locked[at]);
+            let seen = (linear.shown, linear.over);
+            self.point(about, (interval, shares[at]), seen, place)?;
         }
         self.carry((shares, interval), dt, linear);
         Some(end)
@@ -465,15 +488,18 @@ impl<'a> Moving<'a> {
     /// Fills the equations at one point.
     fn point(
         &self,
-        state: &FlexibleState,
+        (state, locked): (&FlexibleState, &LockedVehicle),
         (interval, share): (&Interval, f64),
-        shown: &Excitation,
+        (shown, over): (&Excitation, Over),
         (flexing, out): (&mut Option<Flexing>, &mut Point),
     ) -> Option<()> {
-        let inputs = shown.calm(&interval.inputs_at(share));
-        let beyond = interval.beyond(share, self.numbers);
-        let posture = self.posture(&inputs);
-        let locked = self.place(&posture, &beyond, flexing)?;
+        let mut locked = *locked;
+        let calm = shown.calm(&out.at);
+        if calm != out.at {
+            (out.posture).set(self.configuration, self.numbers, &calm);
+            let beyond = interval.beyond(share, self.numbers);
+            locked = self.place(&out.posture, &beyond, flexing)?;
+        }
         let (mut flexible, mut modes) = (None, None);
         if let Some(f) = flexing {
             flexible = Some(&f.flexible);
@@ -481,31 +507,34 @@ impl<'a> Moving<'a> {
         }
         let motion = &motion_of(&locked, flexible, state)?;
         let placed = Placed {
-            posture: &posture,
+            posture: &out.posture,
             motion,
             modes: flexible.map(|f| (f, &state.internal)),
         };
         let R: Matrix3 = state.R_NB.to_rotation_matrix().into_inner();
         let force = &interval.force_B;
-        for k in self.configuration.driven() {
-            let change = placed.input_slope(self.configuration, k);
-            out.inputs[k] = pose_change(&R, &change.twist);
-            if let Some((_, inputs, _)) = &mut modes {
-                inputs[k] = placed.mode_rates(&change, &Vector3::zeros());
+        if let Over::State(_) = over {
+            for k in self.configuration.driven() {
+                let change = placed.input_slope(self.configuration, k);
+                out.inputs[k] = pose_change(&R, &change.twist);
+                if let Some((_, inputs, _)) = &mut modes {
+                    inputs[k] = placed.mode_rates(&change, &Vector3::zeros());
+                }
             }
-        }
-        let slopes = Slopes::new(self.configuration, placed, shown);
-        for k in self.moving_numbers() {
-            let slope = match k {
-                CURVE => slopes.of_momentum(&interval.curved(share)),
-                _ => slopes.of(k),
-            };
-            let h = R * force.cross(&slope.centre);
-            out.numbers[k] = pose_change(&R, &slope.change.twist);
-            out.pushes[k] = Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z);
-            if let Some((_, _, numbers)) = &mut modes {
-                let lighter = force * (-slope.mass / motion.centre.mass);
-                numbers[k] = placed.mode_rates(&slope.change, &lighter);
+        } else {
+            let slopes = Slopes::new(self.configuration, placed, shown);
+            for k in self.moving_numbers() {
+                let slope = match k {
+                    CURVE => slopes.of_momentum(&interval.curved(share)),
+                    _ => slopes.of(k),
+                };
+                let h = R * force.cross(&slope.centre);
+                out.numbers[k] = pose_change(&R, &slope.change.twist);
+                out.pushes[k] = Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z);
+                if let Some((_, _, numbers)) = &mut modes {
+                    let lighter = force * (-slope.mass / motion.centre.mass);
+                    numbers[k] = placed.mode_rates(&slope.change, &lighter);
+                }
             }
         }
         let mut map = motion.twist_rows(state);
@@ -519,7 +548,9 @@ impl<'a> Moving<'a> {
 
     /// Carries all columns over a step.
     fn carry(&self, (shares, interval): ([f64; 3], &Interval), dt: f64, linear: &mut Linear) {
-        let Scratch { flexing, points } = &*linear.scratch;
+        let Scratch {
+            flexing, points, ..
+        } = &*linear.scratch;
         let points = points.each_ref();
         let flexing = flexing.each_ref().map(Option::as_ref);
         let rows = StepRows {
@@ -528,21 +559,20 @@ impl<'a> Moving<'a> {
             modes: flexing.map(|f| f.map(|f| &f.rows)),
         };
         let columns = &mut *linear.columns;
-        for k in self.moving_numbers() {
-            let of_modes = flexing.map(|f| f.map_or_else(Internal::zeros, |f| f.numbers[k]));
-            let drives = Drives {
-                pose: points.map(|p| p.numbers[k].into()),
-                push: points.map(|p| p.pushes[k].into()),
-                internal: of_modes.map(Into::into),
-            };
-            rows.carry_column(&mut columns.numbers[k], &drives, dt);
-        }
-        if linear.numbers_alone {
+        let Over::State(components) = linear.over else {
+            for k in self.moving_numbers() {
+                let of_modes = flexing.map(|f| f.map_or_else(Internal::zeros, |f| f.numbers[k]));
+                let drives = Drives {
+                    pose: points.map(|p| p.numbers[k].into()),
+                    push: points.map(|p| p.pushes[k].into()),
+                    internal: of_modes.map(Into::into),
+                };
+                rows.carry_column(&mut columns.numbers[k], &drives, dt);
+            }
             return;
-        }
-        let used = STATE + 2 * self.configuration.mode_count;
-        for column in columns.state.iter_mut().take(used) {
-            rows.carry_column(column, &Drives::default(), dt);
+        };
+        for k in components {
+            rows.carry_column(&mut columns.state[*k], &Drives::default(), dt);
         }
         for (end, of_end) in columns.inputs.iter_mut().enumerate() {
             for (k, column) in of_end.iter_mut().enumerate() {

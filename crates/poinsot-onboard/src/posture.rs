@@ -4,7 +4,7 @@
 
 use crate::configuration::{Configuration, INPUTS, ITERATIONS, JOINTS, Joint, of_joint, of_rate};
 use crate::numbers::{AXES, Numbers, PARAMETERS, WHEELS};
-use nalgebra::{Quaternion, SMatrix, SymmetricEigen};
+use nalgebra::{ArrayStorage, Quaternion, SMatrix, SymmetricEigen};
 use poinsot_dynamics::Composite;
 use poinsot_dynamics::propagation::{BaseMotion, Flexibility, LockedVehicle, PoseMomentum};
 use poinsot_spatial::{
@@ -19,6 +19,11 @@ pub const AT_REST: PoseMomentum = PoseMomentum {
     P: Vector3::new(0.0, 0.0, 0.0),
     h_SScm_N: Vector3::new(0.0, 0.0, 0.0),
 };
+
+const NOTHING: Vector6 = Vector6::from_array_storage(ArrayStorage([[0.0; 6]]));
+
+/// Elements of an inertia over ten parameters.
+pub type InertiaSlopes = SMatrix<f64, 6, PARAMETERS>;
 
 /// Position of a frame.
 #[derive(Debug, Clone, Copy)]
@@ -114,22 +119,41 @@ pub fn momentum(of: &InertialParameters, twist: &Vector6) -> Vector6 {
 }
 
 impl Posture {
+    /// Nothing.
+    pub const NONE: Self = Self {
+        unknown: Pose::BASE,
+        of_unknown: NOTHING,
+        whole: InertialParameters::ZERO,
+        momentum: NOTHING,
+        speeds: [0.0; WHEELS],
+        carried: [InertialParameters::ZERO; JOINTS],
+        screws: [NOTHING; JOINTS],
+        rates: [0.0; JOINTS],
+        twists: [NOTHING; JOINTS],
+        beyond: [NOTHING; JOINTS],
+    };
+
     /// The vehicle with these numbers.
     pub fn new(configuration: &Configuration, numbers: &Numbers, inputs: &[f64; INPUTS]) -> Self {
+        let mut out = Self::NONE;
+        out.set(configuration, numbers, inputs);
+        out
+    }
+
+    /// Becomes the vehicle with these numbers.
+    pub fn set(
+        &mut self,
+        configuration: &Configuration,
+        numbers: &Numbers,
+        inputs: &[f64; INPUTS],
+    ) {
         let joints = configuration.joints();
         let mut links = [Pose::BASE; JOINTS];
-        let mut out = Self {
-            unknown: Pose::BASE,
-            of_unknown: Vector6::zeros(),
-            whole: InertialParameters::from_array(&configuration.known),
-            momentum: Vector6::zeros(),
-            speeds: core::array::from_fn(|k| inputs[k]),
-            carried: [InertialParameters::ZERO; JOINTS],
-            screws: [Vector6::zeros(); JOINTS],
-            rates: [0.0; JOINTS],
-            twists: [Vector6::zeros(); JOINTS],
-            beyond: [Vector6::zeros(); JOINTS],
-        };
+        let out = self;
+        out.whole = InertialParameters::from_array(&configuration.known);
+        out.speeds.copy_from_slice(&inputs[..WHEELS]);
+        (out.of_unknown, out.momentum) = (NOTHING, NOTHING);
+        out.beyond[..joints.len()].fill(NOTHING);
         for (j, joint) in joints.iter().enumerate() {
             let (parent, by_parent) = match joint.parent.checked_sub(1) {
                 Some(parent) => (links[parent], out.twists[parent]),
@@ -175,7 +199,6 @@ impl Posture {
                 None => out.whole = out.whole.with_added(1.0, &carried),
             }
         }
-        out
     }
 
     /// As one body, with a momentum about `Bo` beside that of the joints.
@@ -189,7 +212,7 @@ impl Posture {
     }
 
     /// Elements of the inertia about the mass centre over the parameters of the unknown body.
-    pub fn inertia_slopes(&self, motion: &BaseMotion) -> SMatrix<f64, 6, PARAMETERS> {
+    pub fn inertia_slopes(&self, motion: &BaseMotion) -> InertiaSlopes {
         let (R, d) = (&self.unknown.R, self.unknown.p - motion.centre.p_BoScm_B);
         let columns: [Vector6; PARAMETERS] = core::array::from_fn(|k| {
             let slope = match k {
@@ -206,7 +229,7 @@ impl Posture {
             };
             elements(&slope).into()
         });
-        SMatrix::<f64, 6, PARAMETERS>::from_columns(&columns)
+        InertiaSlopes::from_columns(&columns)
     }
 
     /// What the rate of a joint changes.

@@ -2,7 +2,7 @@
 
 use crate::configuration::PASSES;
 use crate::excitation::Excitation;
-use crate::filter::{Filter, GATE, MOVED};
+use crate::filter::{Change, Filter, GATE, MOVED};
 use crate::health::{Checkpoint, Verdict};
 use crate::motion::{Bend, Moving};
 use crate::numbers::Numbers;
@@ -102,19 +102,16 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             self.gate = GATE * wide;
             let verdict = self.pass();
             self.looseness = 0.0;
-            let Some(change) = self.solution() else {
+            let Some(Change { by, farthest }) = self.change() else {
                 break;
             };
-            let sigma = self.sigma_of_motion();
-            let moved = change.iter().zip(&sigma).take(self.layout.numbers);
-            let farthest = moved.fold(0.0, |most: f64, (x, s)| most.max((x / s).abs()));
             if level > LOOSE.len() && farthest <= MOVED {
                 self.shown.grows = true;
                 return verdict;
             }
             self.shown.settle();
             level += usize::from(farthest <= FAR || level >= LOOSE.len());
-            self.numbers = self.nearest(&change);
+            self.numbers = self.nearest(&by);
         }
         Verdict::Lost
     }
@@ -159,16 +156,17 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     // Its checkpoints are not on the stack of every sample.
     #[inline(never)]
     fn conclude(&mut self, verdict: Verdict) {
-        let here = Checkpoint {
-            numbers: self.numbers,
-            info: self.of_parameters(),
-            known_s: self.known_s,
-            is_prior: false,
-        };
         match verdict {
             Verdict::Open => {}
-            Verdict::Clean => self.checkpoints.keep(here, false),
-            Verdict::LongClean => self.checkpoints.keep(here, true),
+            Verdict::Clean | Verdict::LongClean => {
+                let here = Checkpoint {
+                    numbers: self.numbers,
+                    info: self.of_parameters(),
+                    known_s: self.known_s,
+                    is_prior: false,
+                };
+                self.checkpoints.keep(here, verdict == Verdict::LongClean);
+            }
             // The parameters found are where the next passes begin: over more samples, or over the next ones.
             Verdict::Lost => {
                 if self.window.done {
