@@ -8,7 +8,8 @@ use crate::onboard::{FollowedNumber, OnBoard};
 use poinsot_model::{JointKind, Model, read_model};
 use poinsot_onboard::{GroundFilter, Health, Sample, SensorCounts};
 use poinsot_telemetry::{Part, ReadOptions, read_parts};
-use serde_json::{Map, Value, json};
+use serde::ser::SerializeStruct;
+use serde::{Serialize, Serializer};
 use std::path::{Path, PathBuf};
 
 /// Longest gap in steps of the first two samples, and at least in seconds.
@@ -47,24 +48,36 @@ impl Followed {
     pub fn is_determined(&self) -> bool {
         self.health == Health::Determined
     }
+}
 
-    /// As one JSON object.
-    pub fn json(&self) -> Value {
-        let number = |n: &FollowedNumber| {
-            let of = json!({ "value": n.value, "sigma": n.sigma, "wanted_sigma": n.wanted_sigma, "reached_at_s": n.reached_at_s });
-            (n.address.clone(), of)
-        };
-        let [gyro, attitude, position] = self
-            .counts
-            .map(|c| json!({ "accepted": c.accepted, "gated": c.gated }));
-        json!({
-            "time_s": self.time_s,
-            "health": self.health_word(),
-            "numbers": self.numbers.iter().map(number).collect::<Map<_, _>>(),
-            "gyro": gyro,
-            "attitude": attitude,
-            "position": position,
-        })
+/// One object: time, health, the numbers by their addresses, and what each sensor gave.
+impl Serialize for Followed {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct Counted {
+            accepted: u64,
+            gated: u64,
+        }
+        let [gyro, attitude, position] = self.counts.map(|c| Counted {
+            accepted: c.accepted,
+            gated: c.gated,
+        });
+        let mut line = serializer.serialize_struct("Followed", 6)?;
+        line.serialize_field("time_s", &self.time_s)?;
+        line.serialize_field("health", self.health_word())?;
+        line.serialize_field("numbers", &ByAddress(&self.numbers))?;
+        line.serialize_field("gyro", &gyro)?;
+        line.serialize_field("attitude", &attitude)?;
+        line.serialize_field("position", &position)?;
+        line.end()
+    }
+}
+
+struct ByAddress<'a>(&'a [FollowedNumber]);
+
+impl Serialize for ByAddress<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|number| (&number.address, number)))
     }
 }
 

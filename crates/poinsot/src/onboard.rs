@@ -6,20 +6,19 @@ mod rigid;
 use crate::channel_names;
 use crate::error::{Error, missing, no_noise, unsupported};
 use crate::mass_numbers::{names, with_answer};
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SMatrix;
 use poinsot_dynamics::{Kinematics, Nozzle, SAME_TIME, SensorKind, Tree, thrust_wrench};
 use poinsot_formats::EstimateFile;
 use poinsot_model::{Joint, Model, Nuisance, Sensor, SlowError};
 use poinsot_onboard::{Answer, COLUMNS, Configuration, JOINTS, Noise, Sample, WHEELS};
-use poinsot_spatial::{InertialParameters, MassProperties};
+use poinsot_spatial::{InertialParameters, MassProperties, TENSOR};
 use poinsot_telemetry::{Channel, Table, resample};
 use prior::Prior;
 use rigid::{Rigid, quaternion};
+use serde::Serialize;
 
 /// Prior sigma of a gyro bias that is unknown without one, rad/s: a degree per second.
 const BIAS: f64 = 0.017;
-/// Steps of the differences of the ten parameters, in natural units: they are polynomials of third order.
-const STEP: f64 = 1.0e-4;
 /// Half-width of a 95 % interval, sigmas.
 const INTERVAL: f64 = 1.96;
 
@@ -33,16 +32,18 @@ pub struct OnBoard {
     /// Assumptions, one a line.
     pub assumed: Vec<String>,
     nozzles: Vec<Nozzle>,
-    /// The unknown body.
+    /// The unknown body, and the addresses of its ten numbers.
     body: usize,
+    addresses: [String; 10],
     /// The joints that move, in the order of the configuration.
     moving: Vec<usize>,
 }
 
 /// A number of the unknown body while it is followed.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FollowedNumber {
     /// Its address, `bus.inertia_kg_m2.xx`.
+    #[serde(skip)]
     pub address: String,
     /// Its value in SI, if it is determined.
     pub value: Option<f64>,
@@ -136,6 +137,7 @@ impl OnBoard {
         Ok(Self {
             nozzles: nozzles.collect(),
             moving: rigid.moving.iter().map(|link| link.joint).collect(),
+            addresses: names(&body.name),
             body: at,
             configuration,
             assumed,
@@ -150,17 +152,17 @@ impl OnBoard {
         let Some((body, of)) = model.bodies.get(self.body).zip(of) else {
             return Vec::new();
         };
-        let (at, addresses, units) = (of.to_array(), names(&body.name), of.natural_units());
-        let back = slopes(&of).try_inverse().unwrap_or_default();
+        let (at, units, slopes) = (of.to_array(), of.natural_units(), slopes(&of));
         let is_unknown = |k: &usize| answer.numbers[*k].sigma > 0.0;
         let places: Vec<usize> = (0..10).filter(is_unknown).collect();
-        let mut covariance = TenByTen::zeros();
-        for (i, a) in places.iter().enumerate() {
-            for (j, b) in places.iter().enumerate() {
-                covariance[(*a, *b)] = answer.covariance[i][j];
-            }
-        }
-        let covariance = back * covariance * back.transpose();
+        let variance = |k: usize| {
+            let slope = |place: &usize| slopes[(k, *place)];
+            let rows = places.iter().zip(&answer.covariance);
+            let times = |row: &[f64; 10]| -> f64 {
+                places.iter().zip(row).map(|(b, x)| slope(b) * x).sum()
+            };
+            rows.map(|(a, row)| slope(a) * times(row)).sum::<f64>()
+        };
         let determined = places.iter().all(|k| answer.numbers[*k].determined);
         let own = |k: usize| match k {
             0 => answer.numbers[0].determined,
@@ -169,9 +171,9 @@ impl OnBoard {
         };
         let all = (0..10).filter(|k| body.estimate.has(*k));
         let number = |k: usize| FollowedNumber {
-            address: addresses[k].clone(),
+            address: self.addresses[k].clone(),
             value: Some(at[k]).filter(|_| own(k)),
-            sigma: covariance[(k, k)].max(0.0).sqrt(),
+            sigma: variance(k).max(0.0).sqrt(),
             wanted_sigma: accuracy * units[k] / INTERVAL,
             reached_at_s: None,
         };
@@ -330,17 +332,21 @@ fn noise(model: &Model) -> Result<Noise, Error> {
     })
 }
 
-/// Slopes of the ten parameters about the origin over mass, mass centre and central inertia.
+/// Slopes of mass, mass centre and central inertia over the ten parameters about the origin.
 fn slopes(of: &MassProperties) -> TenByTen {
-    let (units, at) = (of.natural_units(), of.to_array());
-    let mut slopes = TenByTen::zeros();
-    for k in 0..10 {
-        let mut ends = [at, at];
-        ends[0][k] += STEP * units[k];
-        ends[1][k] -= STEP * units[k];
-        let parameters = |x| MassProperties::from_array(&x).parameters().to_array();
-        let [up, down] = ends.map(|x| SVector::<f64, 10>::from(parameters(x)));
-        slopes.set_column(k, &((up - down) / (2.0 * STEP * units[k])));
+    let (c, mass) = (&of.p_BoBcm_B, of.mass);
+    let same = |i: usize, j: usize| f64::from(u8::from(i == j));
+    let mut slopes = TenByTen::identity();
+    for k in 0..3 {
+        slopes[(1 + k, 0)] = -c[k] / mass;
+        slopes[(1 + k, 1 + k)] = 1.0 / mass;
+    }
+    for (row, &(i, j)) in TENSOR.iter().enumerate() {
+        slopes[(4 + row, 0)] = same(i, j) * c.norm_squared() - c[i] * c[j];
+        for k in 0..3 {
+            let across = same(i, k) * c[j] + same(j, k) * c[i];
+            slopes[(4 + row, 1 + k)] = across - 2.0 * same(i, j) * c[k];
+        }
     }
     slopes
 }

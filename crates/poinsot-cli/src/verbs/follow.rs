@@ -11,6 +11,7 @@ use poinsot_files::{growing, open};
 use poinsot_model::Model;
 use poinsot_report::{Detail, estimate_document, followed_document, live_page, no_page};
 use poinsot_telemetry::Part;
+use serde::Serialize;
 use serde_json::{Value, json};
 use std::io::{ErrorKind, IsTerminal, Read, Write};
 use std::path::{Path, PathBuf};
@@ -133,11 +134,11 @@ impl Shown {
 
     /// False where standard output takes no more.
     fn show(&mut self, known: &Followed) -> bool {
-        let mut line = known.json();
-        if let Some(certifier) = &mut self.certifier {
-            line["certified"] = certifier.at(known.time_s);
-        }
-        let text = line.to_string();
+        let line = Line {
+            known,
+            certified: self.certifier.as_mut().map(|c| c.at(known.time_s)),
+        };
+        let text = serde_json::to_string(&line).unwrap_or_default();
         let out = match &mut self.table {
             None => is_printed(&format!("{text}\n")),
             Some(height) => {
@@ -153,6 +154,14 @@ impl Shown {
         self.feed.iter().for_each(|feed| feed.push(text.clone()));
         out
     }
+}
+
+#[derive(Serialize)]
+struct Line<'a> {
+    #[serde(flatten)]
+    known: &'a Followed,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    certified: Option<Value>,
 }
 
 /// Identifies all rows so far from time to time, beside the filter.

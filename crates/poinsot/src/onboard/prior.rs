@@ -61,8 +61,8 @@ impl Prior<'_> {
             let own = covariance.cholesky()?.l().try_inverse()?;
             let root = of_known.cholesky()?.l().try_inverse()?;
             let mut rows = DMatrix::zeros(10 + n, 10 + n);
-            let back = slopes(self.nominal).try_inverse()?;
-            rows.view_mut((0, 0), (10, 10)).copy_from(&(own * back));
+            let own = own * slopes(self.nominal);
+            rows.view_mut((0, 0), (10, 10)).copy_from(&own);
             let of_body = -(own * over_model * units.try_inverse()?);
             rows.view_mut((0, 10), (10, n)).copy_from(&of_body);
             rows.view_mut((10, 10), (n, n)).copy_from(&root);
