@@ -163,11 +163,10 @@ impl OnBoard {
             };
             rows.map(|(a, row)| slope(a) * times(row)).sum::<f64>()
         };
-        let determined = places.iter().all(|k| answer.numbers[*k].determined);
-        let own = |k: usize| match k {
-            0 => answer.numbers[0].determined,
-            1..=3 => answer.numbers[0].determined && answer.numbers[k].determined,
-            _ => determined,
+        // Each number of the body depends on some of those of the filter.
+        let own = |k: usize| {
+            let mut of = places.iter().filter(|place| slopes[(k, **place)] != 0.0);
+            of.all(|place| answer.numbers[*place].determined)
         };
         let all = (0..10).filter(|k| body.estimate.has(*k));
         let number = |k: usize| FollowedNumber {
