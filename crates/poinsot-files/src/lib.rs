@@ -10,13 +10,14 @@
 //! - `stage.rs`: drafts in a hidden folder. Earlier files are kept until all drafts are in place, and restored on
 //!   failure. Folders of killed runs are removed.
 //! - `plain.rs`: escapes unprintable characters and shortens error lines to 300 characters.
-//! - `numbers.rs`: numbers in text: significant digits, with a sigma.
+//! - `numbers.rs`: numbers in text: significant digits, with a sigma. `once.rs`: a list without repetition.
 
 mod budget;
 mod fault;
 mod input;
 mod nearest;
 mod numbers;
+mod once;
 mod plain;
 mod stage;
 
@@ -31,6 +32,7 @@ pub use numbers::{
     HALF_WIDTH_95, as_read, counted, list, number_with_sigma, probability, rounded, short,
     significant, to_digits,
 };
+pub use once::each_once;
 pub use plain::{
     LONGEST_LINE, error_line, escaped, escaped_lines, excerpt, is_unprintable, json_escaped,
 };

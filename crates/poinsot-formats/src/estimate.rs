@@ -4,6 +4,7 @@ use crate::body::BodyFile;
 use crate::diagnostics::DiagnosticsFile;
 use crate::number::{Axes, NumberFile};
 use indexmap::IndexMap;
+use poinsot_files::each_once;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -450,13 +451,8 @@ impl EstimateFile {
         if self.evidence.is_empty() {
             return self.doubts.iter().map(String::as_str).collect();
         }
-        let mut words: Vec<&str> = Vec::new();
-        for row in self.evidence.iter().filter(|row| row.is_against_answer()) {
-            if !words.contains(&row.words.as_str()) {
-                words.push(&row.words);
-            }
-        }
-        words
+        let rows = self.evidence.iter().filter(|row| row.is_against_answer());
+        each_once(rows.map(|row| row.words.as_str()))
     }
 
     /// Why its numbers must not be relied on; empty if they may.

@@ -8,7 +8,7 @@ use crate::diagnosis::octaves::Octave;
 use crate::problem::settings::Settings;
 use crate::solution::estimate::SegmentFit;
 use crate::solution::evidence::{Effect, Remark};
-use poinsot_files::counted;
+use poinsot_files::{counted, each_once};
 
 /// Thresholds of one test.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -221,12 +221,9 @@ impl<'a> SensorNoise<'a> {
 
 /// The tests of every sensor that the method weights separately.
 pub(super) fn sensor_noise<'a>(fit: &'a [SegmentFit], settings: &Settings) -> Vec<SensorNoise<'a>> {
-    let mut names: Vec<&str> = Vec::new();
-    for channel in fit.iter().flat_map(|s| &s.channels) {
-        if !channel.octaves.is_empty() && !names.contains(&channel.name.as_str()) {
-            names.push(&channel.name);
-        }
-    }
+    let tested = fit.iter().flat_map(|s| &s.channels);
+    let tested = tested.filter(|c| !c.octaves.is_empty());
+    let names = each_once(tested.map(|c| c.name.as_str()));
     let tests: usize = names
         .iter()
         .flat_map(|name| octaves_of(fit, name))

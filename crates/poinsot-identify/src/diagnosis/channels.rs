@@ -3,6 +3,7 @@
 use super::types::ChannelDiagnosis;
 use crate::fit::Fitted;
 use crate::likelihood::ChannelResidual;
+use poinsot_files::each_once;
 use poinsot_spatial::Vector3;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::f64::consts::PI;
@@ -27,16 +28,9 @@ fn chi_square(numbers: usize, probability: f64) -> f64 {
 
 /// One entry per sensor, all segments together.
 pub(super) fn channels(fitted: &Fitted) -> Vec<ChannelDiagnosis> {
-    let mut names: Vec<&str> = Vec::new();
-    for channel in fitted.evaluated.iter().flat_map(|e| &e.channels) {
-        if !names.contains(&channel.name.as_str()) {
-            names.push(&channel.name);
-        }
-    }
-    names
-        .into_iter()
-        .map(|name| of_sensor(name, fitted))
-        .collect()
+    let all = fitted.evaluated.iter().flat_map(|e| &e.channels);
+    let names = each_once(all.map(|c| c.name.as_str())).into_iter();
+    names.map(|name| of_sensor(name, fitted)).collect()
 }
 
 fn of_sensor(name: &str, fitted: &Fitted) -> ChannelDiagnosis {

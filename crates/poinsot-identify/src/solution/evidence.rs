@@ -1,6 +1,7 @@
 //! What is said of an answer: one list of remarks. Status, reliability and the factor on every sigma follow from it.
 
 use crate::diagnosis::octaves::Octave;
+use poinsot_files::each_once;
 
 /// What a remark is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -152,13 +153,8 @@ pub(crate) fn sigma_factor(rows: &[Remark]) -> f64 {
 
 /// Words of the rows against the answer, in their order, each once.
 pub(crate) fn doubts(rows: &[Remark]) -> Vec<String> {
-    let mut list: Vec<String> = Vec::new();
-    for row in rows.iter().filter(|r| r.effect.is_against_answer()) {
-        if !list.contains(&row.words) {
-            list.push(row.words.clone());
-        }
-    }
-    list
+    let against = rows.iter().filter(|r| r.effect.is_against_answer());
+    each_once(against.map(|row| row.words.clone()))
 }
 
 #[cfg(test)]

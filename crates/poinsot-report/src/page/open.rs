@@ -6,6 +6,7 @@ use indexmap::IndexMap;
 use minijinja::{Value, context};
 use poinsot_figures::{PageError, Part};
 use poinsot_formats::{IdentifiabilityFile, UndeterminedFile, unknown_name};
+use std::collections::BTreeSet;
 
 /// Number of combinations listed; the result file has all.
 const LISTED: usize = 80;
@@ -112,13 +113,8 @@ fn term(coefficient: f64, address: &str, several: bool) -> Value {
 /// Unobservable directions as rows over parameters: each coefficient relative to the largest of the row. `None` with
 /// too many parameters for a page.
 fn matrix(open: &[UndeterminedFile], several: bool) -> Option<Value> {
-    let mut names: Vec<&String> = Vec::new();
-    for name in open.iter().flat_map(|o| o.coefficients.keys()) {
-        if !names.contains(&name) {
-            names.push(name);
-        }
-    }
-    names.sort();
+    let names = open.iter().flat_map(|o| o.coefficients.keys());
+    let names: BTreeSet<&String> = names.collect();
     let row = |o: &UndeterminedFile| {
         let largest = o
             .coefficients

@@ -7,6 +7,7 @@ use super::input_errors::{between_readings, wheel_inputs};
 use super::motion::{Inputs, Rates};
 use super::orbit::orbit_at;
 use super::sensors::{HALF_WIDTH, SAME, SensorColumns, own_values, sensor_columns, vectors};
+use poinsot_files::each_once;
 use poinsot_identify::{Firing, Observations, Samples};
 use poinsot_model::SensorKind;
 use poinsot_spatial::Vector3;
@@ -71,13 +72,7 @@ pub(super) fn observe(channels: &Channels, samples: &Samples, firings: &[Firing]
 
 /// Distinct time bases of channels.
 fn clocks<'a>(channels: &[&'a Channel]) -> Vec<&'a [f64]> {
-    let mut all: Vec<&[f64]> = Vec::new();
-    for channel in channels {
-        if !all.contains(&&*channel.time_s) {
-            all.push(&channel.time_s);
-        }
-    }
-    all
+    each_once(channels.iter().map(|c| &*c.time_s))
 }
 
 /// Position of the base origin at the first sample, from the position sensor.
