@@ -22,6 +22,14 @@ impl Inertial<f64> {
             I: Symmetric::of(&body.I_BBo_B),
         }
     }
+
+    pub fn stored(&self) -> InertialParameters {
+        InertialParameters {
+            mass: self.mass,
+            mc_B: self.mc.stored(),
+            I_BBo_B: self.I.full().stored(),
+        }
+    }
 }
 
 impl<T: Real> Inertial<T> {

@@ -126,8 +126,8 @@ pub use measurement::{
     BasePose, Carried, Ideal, JointEffect, Measurement, OverJoint, PointMotion, Scene,
 };
 pub use momentum::{
-    Composite, Twist, Wrench, body_momentum, composite, composite_and_momentum, momentum,
-    shift_to_body, twist_from_momentum, wheel_momentum,
+    Twist, Wrench, body_momentum, composite, composite_and_momentum, momentum, shift_to_body,
+    twist_from_momentum, wheel_momentum,
 };
 #[cfg(feature = "std")]
 pub use motion::*;

@@ -5,10 +5,7 @@ use crate::algebra::{M3, Real, V3, stack};
 use crate::inertial::Inertial;
 use crate::kinematics::Kinematics;
 use crate::tree::Tree;
-use poinsot_spatial::{
-    InertialParameters, MassProperties, Matrix3, Matrix6, UnitQuaternion, Vector3, Vector6,
-    parallel_axis, skew,
-};
+use poinsot_spatial::{InertialParameters, Matrix3, UnitQuaternion, Vector3, Vector6};
 
 /// Twist of the base.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,17 +31,6 @@ impl Wrench {
         force: Vector3::new(0.0, 0.0, 0.0),
         torque: Vector3::new(0.0, 0.0, 0.0),
     };
-}
-
-/// The whole vehicle as one rigid body at a joint configuration: the blocks of the locked inertia `H`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Composite {
-    /// Mass, kg.
-    pub mass: f64,
-    /// First moment about the base origin in B, kg m.
-    pub mc: Vector3,
-    /// Inertia about the base origin in B, kg m2.
-    pub I_SBo_B: Matrix3,
 }
 
 /// Momentum `[l; h]` of one body about the base origin in B: linear N s, angular N m s.
@@ -140,7 +126,7 @@ pub fn wheel_momentum(
         .sum()
 }
 
-/// The vehicle as one rigid body at the placement given.
+/// The vehicle as one rigid body at the placement given, about the base origin in B: its mass properties are those of the system.
 ///
 /// ```
 #[doc = include_str!("../doc/arm.txt")]
@@ -150,13 +136,13 @@ pub fn wheel_momentum(
 /// // Two masses 2 m apart: their reduced mass of 2/3 kg adds 8/3 to their own 1.5.
 /// assert!((whole.I_SScm_B()[(2, 2)] - (1.5 + 8.0 / 3.0)).abs() < 1.0e-12);
 /// ```
-pub fn composite(parameters: &[InertialParameters], kinematics: &Kinematics) -> Composite {
+pub fn composite(parameters: &[InertialParameters], kinematics: &Kinematics) -> InertialParameters {
     let mut whole = Inertial::nothing(0.0);
     for (i, body) in parameters.iter().enumerate() {
         let (R, p) = (M3::of(&kinematics.R[i]), V3::of(&kinematics.p[i]));
         whole += Inertial::of(body).turned(&R).seen_from(&p);
     }
-    Composite::of(&whole)
+    whole.stored()
 }
 
 /// [`composite`] and [`momentum`] in one pass: every tensor is turned to B once.
@@ -171,7 +157,7 @@ pub fn composite(parameters: &[InertialParameters], kinematics: &Kinematics) -> 
 pub fn composite_and_momentum(
     parameters: &[InertialParameters],
     kinematics: &Kinematics,
-) -> (Composite, Vector6) {
+) -> (InertialParameters, Vector6) {
     let mut whole = Inertial::nothing(0.0);
     let (mut l, mut h) = (V3::all(0.0), V3::all(0.0));
     let k = kinematics;
@@ -184,57 +170,7 @@ pub fn composite_and_momentum(
         h += own.I.times(&w) + own.mc.cross(&v) + p.cross(&dl);
         whole += own.seen_from(&p);
     }
-    (Composite::of(&whole), stack(&l, &h).into())
-}
-
-impl Composite {
-    fn of(whole: &Inertial<f64>) -> Self {
-        Self {
-            mass: whole.mass,
-            mc: whole.mc.stored(),
-            I_SBo_B: whole.I.full().stored(),
-        }
-    }
-
-    /// Its ten parameters about the base origin.
-    pub fn parameters(&self) -> InertialParameters {
-        InertialParameters {
-            mass: self.mass,
-            mc_B: self.mc,
-            I_BBo_B: self.I_SBo_B,
-        }
-    }
-
-    /// Mass, mass centre from the base origin and inertia about it.
-    pub fn mass_properties(&self) -> MassProperties {
-        MassProperties {
-            mass: self.mass,
-            p_BoBcm_B: self.p_BoScm_B(),
-            I_BBcm_B: self.I_SScm_B(),
-        }
-    }
-
-    /// Mass centre of the system from the base origin, in B, m.
-    pub fn p_BoScm_B(&self) -> Vector3 {
-        self.mc / self.mass
-    }
-
-    /// Inertia about the system's mass centre, in B, kg m2.
-    pub fn I_SScm_B(&self) -> Matrix3 {
-        self.I_SBo_B - parallel_axis(self.mass, &self.p_BoScm_B())
-    }
-
-    /// The locked inertia `H`: momentum about `Bo` per unit base twist, linear part first.
-    pub fn locked_inertia(&self) -> Matrix6 {
-        let mut h = Matrix6::zeros();
-        let mc = skew(&self.mc);
-        h.fixed_view_mut::<3, 3>(0, 0)
-            .copy_from(&(Matrix3::identity() * self.mass));
-        h.fixed_view_mut::<3, 3>(0, 3).copy_from(&-mc);
-        h.fixed_view_mut::<3, 3>(3, 0).copy_from(&mc);
-        h.fixed_view_mut::<3, 3>(3, 3).copy_from(&self.I_SBo_B);
-        h
-    }
+    (whole.stored(), stack(&l, &h).into())
 }
 
 /// The base twist that gives momentum `l`, `h` (about `Bo`, in B) after subtraction of the part of joint rates and
@@ -255,7 +191,7 @@ impl Composite {
 /// ```
 #[inline]
 pub fn twist_from_momentum(
-    composite: &Composite,
+    composite: &InertialParameters,
     l: &Vector3,
     h: &Vector3,
     l_joints: &Vector3,

@@ -399,7 +399,7 @@ impl<'a> Motion<'a> {
                 input_state.wheels[j] +=
                     chord.at(j, at) - axis.dot(&input_state.kinematics.w[rotor.body]);
                 input_state.free.push((axis, input_state.wheels[j]));
-                turning.I_SBo_B -= Matrix3::identity() * *spin - parallel_axis(*spin, &axis);
+                turning.I_BBo_B -= Matrix3::identity() * *spin - parallel_axis(*spin, &axis);
             }
         }
         let wheels = wheel_momentum(

@@ -5,9 +5,9 @@ use crate::file::{ModeFile, ModeParameter, PanelFile, SlopeFile, TankFile, Which
 use crate::finding::{Key, all, each};
 use crate::vehicle::{FlexibleMode, Mode, ModeEstimate, Model};
 use poinsot_dynamics::propagation::MOST_MODES;
-use poinsot_dynamics::{Composite, Kinematics, Vehicle, composite};
+use poinsot_dynamics::{Kinematics, Vehicle, composite};
 use poinsot_files::short;
-use poinsot_spatial::{Matrix3, Matrix6, Vector3, Vector6, stacked, tensor};
+use poinsot_spatial::{InertialParameters, Matrix3, Matrix6, Vector3, Vector6, stacked, tensor};
 use std::f64::consts::TAU;
 
 impl Check<'_, '_> {
@@ -198,7 +198,7 @@ fn estimate(file: Option<&Which<ModeParameter>>) -> ModeEstimate {
 }
 
 /// Mass and inertia about the mass centre.
-fn about_centre(whole: &Composite) -> Matrix6 {
+fn about_centre(whole: &InertialParameters) -> Matrix6 {
     let mut out = Matrix6::identity() * whole.mass;
     out.fixed_view_mut::<3, 3>(3, 3)
         .copy_from(&whole.I_SScm_B());
@@ -206,7 +206,7 @@ fn about_centre(whole: &Composite) -> Matrix6 {
 }
 
 /// Linear momentum of a mode and its angular momentum about the mass centre, per rate of the amplitude, in base axes.
-fn participation(mode: &Mode, kinematics: &Kinematics, whole: &Composite) -> Vector6 {
+fn participation(mode: &Mode, kinematics: &Kinematics, whole: &InertialParameters) -> Vector6 {
     let R = kinematics.R[mode.body];
     let arm = kinematics.p[mode.body] - whole.p_BoScm_B();
     let l = R * mode.translation;

@@ -6,6 +6,7 @@ use crate::words::{entry, lines};
 use crate::write::file_of;
 use poinsot_dynamics::{Kinematics, Vehicle, composite};
 use poinsot_files::{list, short};
+use poinsot_spatial::MassProperties;
 use poinsot_telemetry::TelemetryMap;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -178,7 +179,7 @@ fn whole(model: &Model) -> (f64, SystemDescription) {
     let vehicle = Vehicle::from(model);
     let kinematics = Kinematics::at(&vehicle.tree, &vehicle.locked_at);
     let whole = composite(&vehicle.bodies, &kinematics);
-    let properties = whole.mass_properties();
+    let properties = whole.mass_properties().unwrap_or(MassProperties::ZERO);
     let system = SystemDescription {
         com_m: properties.p_BoBcm_B.into(),
         principal_kg_m2: properties.principal().0,

@@ -5,7 +5,6 @@
 use crate::configuration::{Configuration, INPUTS, ITERATIONS, JOINTS, Joint, of_joint, of_rate};
 use crate::numbers::{AXES, Numbers, PARAMETERS, WHEELS};
 use nalgebra::{ArrayStorage, Quaternion, SMatrix, SymmetricEigen};
-use poinsot_dynamics::Composite;
 use poinsot_dynamics::propagation::{BaseMotion, Flexibility, LockedVehicle, PoseMomentum};
 use poinsot_spatial::{
     InertialParameters, Matrix3, Rotation3, UnitQuaternion, Vector3, Vector6, angular, elements,
@@ -203,12 +202,7 @@ impl Posture {
 
     /// As one body, with a momentum about `Bo` beside that of the joints.
     pub fn locked(&self, more: &Vector6) -> Option<LockedVehicle> {
-        let composite = Composite {
-            mass: self.whole.mass,
-            mc: self.whole.mc_B,
-            I_SBo_B: self.whole.I_BBo_B,
-        };
-        LockedVehicle::new(&composite, &composite, &(self.momentum + more))
+        LockedVehicle::new(&self.whole, &self.whole, &(self.momentum + more))
     }
 
     /// Elements of the inertia about the mass centre over the parameters of the unknown body.

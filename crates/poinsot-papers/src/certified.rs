@@ -60,11 +60,7 @@ pub(crate) fn put(
     estimate.add(difference_row(worst, problem.relative_accuracy.min(APART)));
     if let Some((system, q)) = &mut estimate.system {
         let kinematics = Kinematics::at(problem.tree, q);
-        *system = replaced(
-            system,
-            &composite(bodies, &kinematics).parameters(),
-            withheld,
-        );
+        *system = replaced(system, &composite(bodies, &kinematics), withheld);
     }
     for combination in &mut estimate.identifiability.determined {
         let value = |name: &String| values.get(name).copied().unwrap_or(f64::NAN);

@@ -1,6 +1,6 @@
 //! The ten inertial parameters of a rigid body: the only definition of their order, point and axes.
 
-use crate::{Matrix3, Vector3};
+use crate::{Matrix3, Matrix6, Vector3, skew};
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField;
 use nalgebra::{Matrix3x6, Matrix4, SymmetricEigen};
@@ -308,15 +308,31 @@ impl InertialParameters {
 
     /// Mass, mass centre and central inertia; `None` if the mass is not positive.
     pub fn mass_properties(&self) -> Option<MassProperties> {
-        if self.mass.is_nan() || self.mass <= 0.0 {
-            return None;
-        }
-        let c = self.mc_B / self.mass;
-        Some(MassProperties {
+        (self.mass > 0.0).then(|| MassProperties {
             mass: self.mass,
-            p_BoBcm_B: c,
-            I_BBcm_B: self.I_BBo_B - parallel_axis(self.mass, &c),
+            p_BoBcm_B: self.p_BoScm_B(),
+            I_BBcm_B: self.I_SScm_B(),
         })
+    }
+
+    /// Mass centre of the system S that they describe, a body or several as one, m; not finite without mass.
+    pub fn p_BoScm_B(&self) -> Vector3 {
+        self.mc_B / self.mass
+    }
+
+    /// Its inertia about the mass centre, kg m2; not finite without mass.
+    pub fn I_SScm_B(&self) -> Matrix3 {
+        self.I_BBo_B - parallel_axis(self.mass, &self.p_BoScm_B())
+    }
+
+    /// The locked inertia `H`: momentum about `Bo` per unit twist of B, linear part first.
+    pub fn locked_inertia(&self) -> Matrix6 {
+        let mut h = Matrix6::identity() * self.mass;
+        let mc = skew(&self.mc_B);
+        h.fixed_view_mut::<3, 3>(0, 3).copy_from(&-mc);
+        h.fixed_view_mut::<3, 3>(3, 0).copy_from(&mc);
+        h.fixed_view_mut::<3, 3>(3, 3).copy_from(&self.I_BBo_B);
+        h
     }
 }
 

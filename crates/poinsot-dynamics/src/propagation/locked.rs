@@ -3,10 +3,11 @@
 use super::state::PoseMomentum;
 use crate::algebra::{M3, Real, V3, parts, stack};
 use crate::inertial::Inertial;
-use crate::momentum::{Composite, Twist};
+use crate::momentum::Twist;
 use crate::quaternion;
 use crate::symmetric::Symmetric;
 use nalgebra::{Matrix3, Vector3, Vector6};
+use poinsot_spatial::InertialParameters;
 
 /// The vehicle as one body at its joints' positions, with the momentum of its joints and wheels, in B.
 #[derive(Debug, Clone, Copy)]
@@ -51,8 +52,12 @@ pub struct BaseMotion {
 impl LockedVehicle {
     /// `joints` is the momentum `[l; h]` about `Bo` of joint rates and wheels while the base is at rest. `turning` is `whole`
     /// without the axial inertia of wheels whose axial momentum is given, not their speed. `None` without positive mass or inertia.
-    pub fn new(whole: &Composite, turning: &Composite, joints: &Vector6<f64>) -> Option<Self> {
-        let [whole, turning] = [whole, turning].map(|c| Inertial::of(&c.parameters()));
+    pub fn new(
+        whole: &InertialParameters,
+        turning: &InertialParameters,
+        joints: &Vector6<f64>,
+    ) -> Option<Self> {
+        let [whole, turning] = [whole, turning].map(Inertial::of);
         let (l, h) = parts(&joints.data.0[0]);
         Self::over(&whole, &turning, (&l, &h))
     }

@@ -188,7 +188,7 @@ fn exact_twist_from_momentum_is_the_inverse() {
         .unwrap();
         // Round-off grows with the condition number of the composite and the offset of its mass centre.
         let moments = h.I_SScm_B().symmetric_eigenvalues();
-        let amplify = (h.I_SBo_B.norm() / moments.min()).max(1.0);
+        let amplify = (h.I_BBo_B.norm() / moments.min()).max(1.0);
         let speed = 1.0 + s.v_NBo_B.norm() + s.w_NB_B.norm();
         let tolerance = TOLERANCE * amplify * speed;
         assert!((twist.w - s.w_NB_B).norm() < tolerance, "tree {i}");
@@ -223,7 +223,7 @@ fn moved(r: &Ready, kinematics: &mut Kinematics, q: &[f64], rates: &[f64]) -> (V
     let h = wheel_momentum(&r.tree, kinematics, &[0.04], &[-300.0]);
     let all = momentum(&r.parameters, kinematics);
     let whole = composite(&r.parameters, kinematics);
-    (all + Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z), whole.mc)
+    (all + Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z), whole.mc_B)
 }
 
 #[test]

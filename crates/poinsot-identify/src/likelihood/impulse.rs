@@ -108,7 +108,7 @@ pub(crate) fn noise_accumulates(problem: &Problem) -> bool {
     let (velocity, rate) = (one(&noise.velocity), one(&noise.gyro));
     let bodies = problem.model.nominal_parameters();
     let whole = composite(&bodies, &Kinematics::new(problem.tree));
-    let inertia = whole.I_SBo_B.trace() / 3.0;
+    let inertia = whole.I_BBo_B.trace() / 3.0;
     problem.segments.iter().any(|segment| {
         let Some(translation) = segment.samples.translation.as_ref() else {
             return false;

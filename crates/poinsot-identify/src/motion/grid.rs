@@ -8,11 +8,11 @@ use super::vehicle::Vehicle;
 use crate::problem::segment::{Observations, SensorRecord};
 use poinsot_dynamics::propagation::{Flexibility, LockedVehicle};
 use poinsot_dynamics::{
-    Composite, JointSlopes, Kinematics, Motion as Joint, Tree, composite, composite_and_momentum,
+    JointSlopes, Kinematics, Motion as Joint, Tree, composite, composite_and_momentum,
     wheel_momentum,
 };
 use poinsot_model::SensorKind;
-use poinsot_spatial::{Matrix3, Vector3, Vector6};
+use poinsot_spatial::{InertialParameters, Matrix3, Vector3, Vector6};
 
 /// Largest turn of base and joints in a step, rad.
 pub(super) const TURN: f64 = 0.02;
@@ -120,7 +120,7 @@ fn finite(x: f64) -> f64 {
 }
 
 /// Radius of gyration of the whole about its mass centre, m.
-pub(super) fn gyration(whole: &Composite) -> f64 {
+pub(super) fn gyration(whole: &InertialParameters) -> f64 {
     (whole.I_SScm_B().trace() / (2.0 * whole.mass)).sqrt()
 }
 

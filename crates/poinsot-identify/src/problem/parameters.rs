@@ -440,7 +440,7 @@ fn natural_units(
     nominal: &[InertialParameters],
 ) -> Vec<(f64, f64)> {
     let whole = composite(nominal, &Kinematics::new(tree));
-    let (mass, length) = match whole.parameters().mass_properties() {
+    let (mass, length) = match whole.mass_properties() {
         Some(p) => (p.mass, p.radius_of_gyration()),
         None => (1.0, 1.0),
     };

@@ -97,7 +97,7 @@ pub fn path_sensitivity(
     let child = tree.links.iter().position(|l| moved.contains(&l.motion))?;
     let mut kinematics = Kinematics::at(tree, normal);
     let (R, p) = (kinematics.R[child], kinematics.p[child]);
-    let total = composite(bodies, &kinematics).parameters();
+    let total = composite(bodies, &kinematics);
     let compose =
         |x: &InertialParameters| [*x, transported_back(&total.with_added(-1.0, x), &R, &p)];
     let mut inner = bodies.to_vec();
@@ -105,11 +105,7 @@ pub fn path_sensitivity(
     for (_, body) in carried.filter(|(b, _)| tree.carries(child, *b)) {
         *body = InertialParameters::ZERO;
     }
-    let natural = natural(
-        &composite(&inner, &kinematics)
-            .parameters()
-            .mass_properties()?,
-    );
+    let natural = natural(&composite(&inner, &kinematics).mass_properties()?);
     let mut q = normal.to_vec();
     let mut rates = vec![0.0; normal.len()];
     let mut readings = Vec::with_capacity(path.len());

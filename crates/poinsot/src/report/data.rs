@@ -103,7 +103,8 @@ fn true_system(
         Some(MassProperties::from_array(&numbers).parameters())
     });
     let whole = composite(&parameters.collect::<Option<Vec<_>>>()?, &kinematics);
-    (whole.mass > 0.0).then(|| TrueBodyFile::of(true_mass(&whole.mass_properties())))
+    let whole = whole.mass_properties()?;
+    Some(TrueBodyFile::of(true_mass(&whole)))
 }
 
 fn vehicle(identified: &Identified) -> Vehicle {

@@ -196,11 +196,11 @@ fn initial(model: &Model, s: &MotionSample) -> InitialFile {
 
 /// The vehicle as one body at the first sample, about the base origin and in base axes.
 fn system(model: &Model, s: &MotionSample) -> TrueBodyFile {
-    let whole = composite(&model.nominal_parameters(), &s.kinematics);
+    let whole = composite(&model.nominal_parameters(), &s.kinematics).mass_properties();
     let joints = model.moving_joints().zip(&s.q);
     TrueBodyFile {
         joint_positions: joints.map(|(j, q)| (position(j), *q)).collect(),
-        ..TrueBodyFile::of(mass(&whole.mass_properties()))
+        ..TrueBodyFile::of(mass(&whole.unwrap_or(MassProperties::ZERO)))
     }
 }
 

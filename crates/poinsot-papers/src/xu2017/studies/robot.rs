@@ -245,7 +245,7 @@ pub fn properties(bodies: &[InertialParameters]) -> Vec<MassProperties> {
 
 /// Sum of all bodies in the normal configuration.
 pub fn whole(tree: &Tree, bodies: &[InertialParameters]) -> MassProperties {
-    let whole = composite(bodies, &Kinematics::new(tree)).parameters();
+    let whole = composite(bodies, &Kinematics::new(tree));
     whole.mass_properties().unwrap_or(MassProperties::ZERO)
 }
 
