@@ -6,6 +6,7 @@
 //! be told: of the vehicles that are left, a tenth goes on, and moves among those that go as far.
 
 use poinsot::Error;
+use poinsot_solve::dot;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -394,10 +395,6 @@ fn flown(fleet: &impl Fleet, z: Vec<f64>) -> Result<Point, Error> {
 
 fn scaled(z: &[f64], by: f64) -> Vec<f64> {
     z.iter().map(|z| z * by).collect()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]

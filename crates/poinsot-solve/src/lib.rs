@@ -62,4 +62,4 @@ pub use levenberg_marquardt::{
 };
 pub use minimax::{Minimax, MinimaxOptions, MinimaxSearch, Reached, Values};
 pub use polytope::{Polytope, Side};
-pub use spectrum::{DirectionSigma, NotFinite, Spectrum};
+pub use spectrum::{DirectionSigma, NotFinite, Spectrum, dot};

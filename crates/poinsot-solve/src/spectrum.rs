@@ -539,7 +539,8 @@ fn quadratic(m: &Mat<f64>, v: &Mat<f64>, k: usize) -> f64 {
         .sum()
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+/// Sum of the products of the elements.
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 

@@ -14,7 +14,7 @@ use crate::fit::Fitted;
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::step::{Linearisation, moved};
 use crate::problem::question::INTERVAL;
-use poinsot_solve::{DirectionSigma, LeastSquares, Linearised, Spectrum};
+use poinsot_solve::{DirectionSigma, LeastSquares, Linearised, Spectrum, dot};
 
 /// Half-width of an interval, natural units, up to which predictions are linear in a direction.
 const LINEAR: f64 = 0.1;
@@ -214,8 +214,4 @@ fn sigma_along(here: &Linearisation, direction: &Direction) -> f64 {
         true => UNBOUNDED,
         false => spectrum.variance(direction).sqrt(),
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
