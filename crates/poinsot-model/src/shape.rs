@@ -43,6 +43,23 @@ pub struct Format {
     pub unfit: &'static str,
 }
 
+impl Format {
+    /// One with this code for every fault.
+    pub const fn of(name: &'static str, code: &'static str) -> Self {
+        Self {
+            name,
+            syntax: code,
+            version: code,
+            unknown: code,
+            unit: code,
+            missing: code,
+            kind: code,
+            range: code,
+            unfit: code,
+        }
+    }
+}
+
 /// The model file.
 pub(crate) const MODEL: Format = Format {
     name: MODEL_SCHEMA,

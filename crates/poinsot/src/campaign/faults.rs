@@ -9,17 +9,7 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 /// The plan, with the code of its faults.
-const FORMAT: Format = Format {
-    name: PLAN,
-    syntax: "E0541",
-    version: "E0541",
-    unknown: "E0541",
-    unit: "E0541",
-    missing: "E0541",
-    kind: "E0541",
-    range: "E0541",
-    unfit: "E0541",
-};
+const FORMAT: Format = Format::of(PLAN, "E0541");
 
 /// The text of a plan and its faults. A plan made by a program has no text, so its faults have no line.
 pub(crate) struct PlanText {

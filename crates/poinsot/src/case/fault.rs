@@ -12,15 +12,9 @@ use std::sync::OnceLock;
 
 /// The case file, with the codes of its faults.
 const FORMAT: Format = Format {
-    name: CASE,
-    syntax: "E0502",
-    version: "E0502",
-    unknown: "E0502",
-    unit: "E0502",
-    missing: "E0502",
-    kind: "E0502",
     range: "E0505",
     unfit: "E0507",
+    ..Format::of(CASE, "E0502")
 };
 
 /// Name and text of a file of keys; gives its faults their lines.
