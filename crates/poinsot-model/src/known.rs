@@ -180,31 +180,6 @@ impl KnownNumber {
             *number += change;
         }
     }
-
-    /// Every number of a model, requested or known.
-    fn all_of(model: &Model) -> Vec<Self> {
-        let bodies = 0..model.bodies.len();
-        let bodies = bodies.flat_map(|k| [Self::Mass(k), Self::MassCentre(k), Self::Inertia(k)]);
-        let joints = 0..model.joints.len();
-        let joints = joints.flat_map(|k| [Self::JointOrigin(k), Self::JointAxis(k)]);
-        let wheels = 0..model.wheels.len();
-        let wheels = wheels.flat_map(|k| [Self::SpinInertia(k), Self::WheelAxis(k)]);
-        let thrusters = model.thrusters.iter().enumerate();
-        let thrusters = thrusters.flat_map(|(k, thruster)| {
-            let force = [
-                Self::Force(k),
-                Self::ForceDirection(k),
-                Self::ForcePosition(k),
-            ];
-            let propellant = [Self::SpecificImpulse(k), Self::PropellantPlace(k)];
-            let propellant = thruster.propellant.is_some().then_some(propellant);
-            force.into_iter().chain(propellant.into_iter().flatten())
-        });
-        let sensors = model.sensors.iter().enumerate().filter(|(_, s)| s.turns());
-        let sensors = sensors.map(|(k, _)| Self::Mounting(k));
-        let rigid = bodies.chain(joints).chain(wheels);
-        rigid.chain(thrusters).chain(sensors).collect()
-    }
 }
 
 fn propellant_of(model: &Model, thruster: usize) -> Option<&Propellant> {
@@ -233,7 +208,24 @@ fn reference_of(model: &Model, body: usize) -> Option<usize> {
 impl Model {
     /// Every number of a model, requested or known.
     pub fn known_numbers(&self) -> Vec<KnownNumber> {
-        KnownNumber::all_of(self)
+        use KnownNumber as N;
+        let bodies = 0..self.bodies.len();
+        let bodies = bodies.flat_map(|k| [N::Mass(k), N::MassCentre(k), N::Inertia(k)]);
+        let joints = 0..self.joints.len();
+        let joints = joints.flat_map(|k| [N::JointOrigin(k), N::JointAxis(k)]);
+        let wheels = 0..self.wheels.len();
+        let wheels = wheels.flat_map(|k| [N::SpinInertia(k), N::WheelAxis(k)]);
+        let thrusters = self.thrusters.iter().enumerate();
+        let thrusters = thrusters.flat_map(|(k, thruster)| {
+            let force = [N::Force(k), N::ForceDirection(k), N::ForcePosition(k)];
+            let propellant = [N::SpecificImpulse(k), N::PropellantPlace(k)];
+            let propellant = thruster.propellant.is_some().then_some(propellant);
+            force.into_iter().chain(propellant.into_iter().flatten())
+        });
+        let sensors = self.sensors.iter().enumerate().filter(|(_, s)| s.turns());
+        let sensors = sensors.map(|(k, _)| N::Mounting(k));
+        let rigid = bodies.chain(joints).chain(wheels);
+        rigid.chain(thrusters).chain(sensors).collect()
     }
 
     /// The model with every known number uncertain by the defaults of one source.
