@@ -47,8 +47,8 @@ pub trait ResultFile: Serialize + DeserializeOwned {
     /// Earlier versions that are read; their files have no checksum.
     const EARLIER: &'static [&'static str];
 
-    /// Converts the structure of an earlier version.
-    fn upgrade(_version: &str, _file: &mut Value) {}
+    /// Converts the structure of the first of the earlier versions.
+    fn upgrade(_file: &mut Value) {}
 
     /// What contradicts itself.
     fn contradictions(&self) -> Vec<Fault> {
@@ -63,10 +63,8 @@ impl ResultFile for EstimateFile {
     const SCHEMA: &'static str = ESTIMATE;
     const EARLIER: &'static [&'static str] = &["poinsot.estimate/1", "poinsot.estimate/2"];
 
-    fn upgrade(version: &str, file: &mut Value) {
-        if version == Self::EARLIER[0] {
-            upgrade::estimate_1(file);
-        }
+    fn upgrade(file: &mut Value) {
+        upgrade::estimate_1(file);
     }
 
     fn contradictions(&self) -> Vec<Fault> {
@@ -82,10 +80,8 @@ impl ResultFile for TruthFile {
     const SCHEMA: &'static str = TRUTH;
     const EARLIER: &'static [&'static str] = &["poinsot.truth/1", "poinsot.truth/2"];
 
-    fn upgrade(version: &str, file: &mut Value) {
-        if version == Self::EARLIER[0] {
-            upgrade::truth_1(file);
-        }
+    fn upgrade(file: &mut Value) {
+        upgrade::truth_1(file);
     }
 }
 
@@ -308,7 +304,9 @@ pub fn parse_result<T: ResultFile>(path: &Path, bytes: &[u8]) -> Result<T, Fault
         // Parse the text again: only then does the error have line and column.
         true => serde_json::from_str(text).map_err(shape)?,
         false => {
-            T::upgrade(&found, &mut value);
+            if T::EARLIER.first() == Some(&found.as_str()) {
+                T::upgrade(&mut value);
+            }
             if let Some(schema) = value.get_mut("schema") {
                 *schema = T::SCHEMA.into();
             }
