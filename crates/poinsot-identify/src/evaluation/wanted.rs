@@ -60,7 +60,6 @@ impl Information {
         with_priors: bool,
         (steps, weight): (u32, f64),
     ) -> Result<Self, ProblemError> {
-        problem.check_samples()?;
         problem.check_observations()?;
         let parameters = problem.likelihood_parameters()?;
         let mut experiment = Experiment::new(problem, &parameters).coarse(steps);

@@ -54,7 +54,6 @@ pub fn predicted_covariance(problem: &Problem) -> Result<Estimate, ProblemError>
 /// What is not asked is known as the model declares and as an identification takes it, or else exactly: the known numbers, and the motion
 /// of wheels between samples.
 fn bound(problem: &Problem, declared: bool) -> Result<Estimate, ProblemError> {
-    problem.check_samples()?;
     problem.check_observations()?;
     let parameters = problem.likelihood_parameters()?;
     let mut experiment = Experiment::new(problem, &parameters);

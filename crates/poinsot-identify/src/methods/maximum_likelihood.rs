@@ -93,7 +93,6 @@ pub(super) fn solve(
     near: Option<Iterate>,
 ) -> Result<FinishedFit, ProblemError> {
     settings.validate()?;
-    problem.check_samples()?;
     problem.check_observations()?;
     let LinearStart { parameters, linear } = LinearStart::new(problem)?;
     problem.check_known_numbers()?;

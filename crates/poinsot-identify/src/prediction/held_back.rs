@@ -55,7 +55,6 @@ pub fn held_back(
     vehicle: &CompletedVehicle,
     points: Option<usize>,
 ) -> Result<HeldBack, ProblemError> {
-    problem.check_samples()?;
     problem.check_observations()?;
     let (model, segments) = prepared(problem, vehicle);
     let problem = problem.with_model(&model).with_segments(&segments);

@@ -220,8 +220,9 @@ impl<'a> Problem<'a> {
     }
 
     /// # Errors
-    /// A segment has fewer than two grid times, or its readings are not all given at them.
+    /// A segment has fewer than two samples or grid times, or its readings are not all given at these.
     pub(crate) fn check_observations(&self) -> Result<(), ProblemError> {
+        self.check_samples()?;
         match self.segments.iter().find(|s| !self.is_observed(s)) {
             Some(s) => Err(too_few_samples(&s.label, s.observations.time_s.len())),
             None => Ok(()),
