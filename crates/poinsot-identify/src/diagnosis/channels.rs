@@ -21,7 +21,7 @@ pub(crate) fn outlier_threshold(numbers: usize) -> f64 {
 }
 
 /// Quantile of chi-square at this probability.
-fn chi_square(numbers: usize, probability: f64) -> f64 {
+pub(crate) fn chi_square(numbers: usize, probability: f64) -> f64 {
     let known = ChiSquared::new(numbers as f64).ok();
     known.map_or(f64::INFINITY, |c| c.inverse_cdf(probability))
 }

@@ -26,7 +26,7 @@ mod suspects;
 mod table;
 mod types;
 
-pub(crate) use channels::{power, whiteness};
+pub(crate) use channels::{chi_square, power, whiteness};
 pub(crate) use types::{Assumed, COLOURED, Deflection};
 pub use types::{
     ChannelDiagnosis, Diagnostics, FaultKind, Finding, HeldOut, MomentumDrift, SensorLag,

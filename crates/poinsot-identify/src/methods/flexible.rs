@@ -7,9 +7,9 @@
 use super::maximum_likelihood::{FinishedFit, LinearStart, solve};
 use super::other_minima::{EVIDENCE, SUSPICIOUS};
 use crate::answer;
-use crate::diagnosis::Suspect;
 use crate::diagnosis::octaves::consistent;
 use crate::diagnosis::oscillation::{Oscillation, oscillation};
+use crate::diagnosis::{Suspect, chi_square};
 use crate::fit::experiment::Experiment;
 use crate::fit::momentum_state::fit_near;
 use crate::fit::{Fitted, step::ITERATIONS};
@@ -26,7 +26,6 @@ use poinsot_dynamics::{Kinematics, composite};
 use poinsot_files::counted;
 use poinsot_model::{FlexibleMode, Mode, ModeEstimate, Model};
 use poinsot_spatial::{Matrix3, TENSOR, Vector3};
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Numbers by which the answer of a mode to the motion differs from a wave of constant amplitude.
 const ANSWERS: usize = 5;
@@ -274,10 +273,7 @@ impl<'a> Search<'a> {
 
     /// How much so many numbers more lower chi-square by chance.
     fn by_chance(&self, numbers: usize) -> f64 {
-        let tail = ChiSquared::new(numbers as f64);
-        tail.map_or(f64::INFINITY, |c| {
-            c.inverse_cdf(1.0 - self.settings.false_alarm)
-        })
+        chi_square(numbers, 1.0 - self.settings.false_alarm)
     }
 
     /// Fits a vehicle with other modes from where the last fit ended.
