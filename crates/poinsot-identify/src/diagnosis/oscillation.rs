@@ -39,7 +39,7 @@ type Square = SMatrix<f64, ALL, ALL>;
 type Sides = SMatrix<f64, ALL, 3>;
 
 /// The mode that explains most of a residual.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Oscillation {
     /// On the free vehicle.
     pub frequency_Hz: f64,
@@ -180,10 +180,7 @@ fn scored(all: &[Series], f: f64, damping: f64) -> Option<Oscillation> {
     let mut sum = Oscillation {
         frequency_Hz: f,
         damping_ratio: damping,
-        decrease: 0.0,
-        steady: 0.0,
-        driven: Matrix3::zeros(),
-        free: Matrix3::zeros(),
+        ..Oscillation::default()
     };
     for series in all {
         let (gram, sides) = series.sums(TAU * f, damping);

@@ -26,7 +26,7 @@ pub struct EvaluatedUnknown {
 }
 
 /// Residuals of one sensor in one segment: three numbers a sample, the third of a direction zero.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct SensorResiduals {
     /// Segment.
     pub segment: String,
@@ -261,10 +261,8 @@ impl<'a> Evaluator<'a> {
                     segment: segment.label.clone(),
                     sensor: channel.name.clone(),
                     unit: channel.unit,
-                    time_s: Vec::new(),
-                    raw: Vec::new(),
-                    white: Vec::new(),
                     first_row: rows.residuals.len(),
+                    ..SensorResiduals::default()
                 };
                 let log_det = segment.observations.sensors[channel.sensor].log_det();
                 for row in one.kept.of(Some(channel.sensor)) {

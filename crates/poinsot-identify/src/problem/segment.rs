@@ -508,7 +508,7 @@ impl Segment {
 
 /// Declared noise of what enters the linear rows ([`Samples`]) and of the inputs, one sample each, and its observed
 /// share in the data (0 for a noise-free file).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Noise {
     /// Index in the model of the gyro from which the rates of [`Samples`] come.
     pub gyro_sensor: Option<usize>,

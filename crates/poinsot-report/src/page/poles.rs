@@ -18,6 +18,7 @@ const UNTOLD: f64 = 0.35;
 /// Angle between successive points of the drawn polhode, rad.
 const FINE: f64 = 0.03;
 
+#[derive(Default)]
 pub(super) struct Poles {
     size: f64,
     tensor: Matrix3,
@@ -38,10 +39,7 @@ impl Poles {
         let mut poles = Self {
             size,
             tensor: *I,
-            time_s: Vec::new(),
-            q_NB: Vec::new(),
-            pole: Vec::new(),
-            normal: Vec::new(),
+            ..Self::default()
         };
         let motion = segment.time_s.iter().zip(&segment.omega_rad_s);
         for ((t, w), q) in motion.zip(&segment.q_xyzw).step_by(stride) {

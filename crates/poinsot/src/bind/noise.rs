@@ -74,9 +74,7 @@ pub(super) fn declared_noise(
         wheel_speed: (0..model.wheels.len())
             .map(|k| scalar(model, SensorKind::WheelSpeed, k))
             .collect(),
-        seen_gyro: 0.0,
-        seen_velocity: 0.0,
-        seen_joint_rate: 0.0,
+        ..Noise::default()
     };
     silence_given(model, tables, &mut noise);
     noise.seen_gyro = seen(axes(columns(SensorKind::Gyro), &gyro));
