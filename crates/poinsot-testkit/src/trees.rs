@@ -8,26 +8,10 @@ use serde::Deserialize;
 use std::io;
 use std::path::PathBuf;
 
-/// Results of one independent program for a tree; vectors in N.
+/// Results of one independent program for a tree.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct EngineMomentum {
-    /// Total mass, kg.
-    pub mass: f64,
-    /// Mass centre of the system, m.
-    pub com: [f64; 3],
-    /// Linear momentum, kg m/s.
-    pub l: [f64; 3],
-    /// Angular momentum about the system's mass centre, kg m2/s.
-    pub h_com: [f64; 3],
-    /// Kinetic energy, J.
-    pub kinetic_energy: f64,
-}
-
-/// Results of Pinocchio, with quantities that MuJoCo does not provide.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct PinocchioAnswer {
+pub struct EngineAnswer {
     /// Total mass, kg.
     pub mass: f64,
     /// Mass centre of the system in N, m.
@@ -38,13 +22,16 @@ pub struct PinocchioAnswer {
     pub h_com: [f64; 3],
     /// Kinetic energy, J.
     pub kinetic_energy: f64,
-    /// Lower triangle, row by row, of the 6 x 6 locked inertia about the base origin in base axes.
+    /// Lower triangle, row by row, of the 6 x 6 locked inertia about the base origin in base axes; zero from MuJoCo, which does not
+    /// provide it.
+    #[serde(default)]
     pub H_lower: [f64; 21],
-    /// Momentum `[l; h]` about the base origin in base axes.
+    /// Momentum `[l; h]` about the base origin in base axes; zero from MuJoCo.
+    #[serde(default)]
     pub momentum_Bo_B: [f64; 6],
 }
 
-impl PinocchioAnswer {
+impl EngineAnswer {
     /// The locked inertia about the base origin in base axes, linear part first.
     pub fn locked_inertia(&self) -> Matrix6 {
         Matrix6::from_fn(|r, c| {
@@ -69,9 +56,9 @@ pub struct TreeCase {
     /// Recorded base attitude: Hamilton, scalar last, body to inertial.
     pub q_NB_xyzw: [f64; 4],
     /// Results of Pinocchio.
-    pub pinocchio: PinocchioAnswer,
+    pub pinocchio: EngineAnswer,
     /// Results of MuJoCo.
-    pub mujoco: EngineMomentum,
+    pub mujoco: EngineAnswer,
 }
 
 #[derive(Deserialize)]
@@ -98,8 +85,8 @@ struct TreeRecord {
     w_NB_B: [f64; 3],
     q: Vec<f64>,
     qd: Vec<f64>,
-    pinocchio: PinocchioAnswer,
-    mujoco: EngineMomentum,
+    pinocchio: EngineAnswer,
+    mujoco: EngineAnswer,
 }
 
 impl BodyRecord {
