@@ -17,14 +17,11 @@ pub(super) fn put_right<T>(
     match (&convention.place, convention.change) {
         // With the spin inertia in place of the speed, its process stays.
         (Place::Wheels(which), Change::Factor(x)) => {
-            let spins = other.nominal_spin.iter_mut().enumerate();
-            let own = spins.filter(|(k, _)| which.contains(k));
-            own.for_each(|(_, spin)| *spin *= x);
+            which.iter().for_each(|k| other.nominal_spin[*k] *= x);
         }
         (Place::Thrusters(which), Change::Factor(x)) => {
-            let thrusters = other.thrusters.iter_mut().enumerate();
-            let own = thrusters.filter(|(k, _)| which.contains(k));
-            own.for_each(|(_, thruster)| thruster.direction_B *= x);
+            let thrusters = &mut other.thrusters;
+            which.iter().for_each(|k| thrusters[*k].direction_B *= x);
         }
         _ => {
             let mut segments = experiment.problem.segments.to_vec();
