@@ -163,11 +163,8 @@ fn change_configuration(u: &mut Unstructured, c: &mut Configuration) -> Result<(
         first.chain(&mut m.translation).chain(&mut m.rotation)
     });
     let all = body.chain(&mut c.prior.0).chain(wheels);
-    let all: Vec<&mut f64> = all.chain(noise).chain(last).chain(modes).collect();
-    let place = u.choose_index(all.len())?;
-    if let Some(number) = all.into_iter().nth(place) {
-        *number = value;
-    }
+    let mut all: Vec<&mut f64> = all.chain(noise).chain(last).chain(modes).collect();
+    *all.swap_remove(u.choose_index(all.len())?) = value;
     c.uncertain[u.choose_index(NUMBERS)?] ^= u.arbitrary::<bool>()?;
     c.reorder = u.int_in_range(0..=4)?;
     Ok(())
@@ -186,11 +183,8 @@ fn change_sample(u: &mut Unstructured, sample: &mut Sample, before: &Sample) -> 
             let measured = measured.chain(sample.attitude.iter_mut().flatten());
             let acting = sample.force_B.iter_mut().chain(&mut sample.torque_B);
             let all = measured.chain(&mut sample.wheel_speed).chain(acting);
-            let all: Vec<&mut f64> = all.collect();
-            let place = u.choose_index(all.len())?;
-            if let Some(number) = all.into_iter().nth(place) {
-                *number = value;
-            }
+            let mut all: Vec<&mut f64> = all.collect();
+            *all.swap_remove(u.choose_index(all.len())?) = value;
         }
         _ => {}
     }
