@@ -540,6 +540,10 @@ fn quadratic(m: &Mat<f64>, v: &Mat<f64>, k: usize) -> f64 {
 }
 
 /// Sum of the products of the elements.
+///
+/// ```
+/// assert_eq!(poinsot_solve::dot(&[1.0, 2.0], &[3.0, 4.0]), 11.0);
+/// ```
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
