@@ -208,33 +208,66 @@ const WHEELS: [([f64; 3], f64); 3] = [
     ([0.0, 0.0, 1.0], 0.0021),
 ];
 
-/// Simulates `truth.toml`, follows and identifies with `model.toml`: the last line, and the answer.
-fn turned(folder: &Path, truth: &str, model: &str, (rate_hz, seed): (u32, u32)) -> (Value, Value) {
-    let at = |name: &str| folder.join(name);
-    std::fs::write(at("truth.toml"), truth).unwrap();
-    std::fs::write(at("model.toml"), model).unwrap();
+/// Simulates `truth.toml` with so many of its wheels running, and follows with `model.toml`: exit code and last line.
+fn run(folder: &Path, wheels: usize, (rate_hz, seed): (u32, u32)) -> (Option<i32>, Value) {
+    let motions = [
+        r#"{ wheel = "w1", time_s = [0, 30, 70, 100, 140], speed_rad_s = [0, 220, -90, 130, 0] }"#,
+        r#"{ wheel = "w2", time_s = [0, 40, 80, 140], speed_rad_s = [0, -180, 140, 10] }"#,
+        r#"{ wheel = "w3", time_s = [0, 50, 90, 140], speed_rad_s = [0, 160, -120, 30] }"#,
+    ];
+    let motions = motions[..wheels].iter().map(|motion| {
+        let (motion, end) = motion.split_at(motion.len() - 1);
+        format!("{motion}, interpolation = \"cubic_clamped\" {end},\n")
+    });
     let case = format!(
-        r#"schema = "poinsot.case/1"
-model = "truth.toml"
-duration_s = 140.0
-initial.momentum_zero = true
-wheel_motion = [
-    {{ wheel = "w1", time_s = [0, 30, 70, 100, 140], speed_rad_s = [0, 220, -90, 130, 0], interpolation = "cubic_clamped" }},
-    {{ wheel = "w2", time_s = [0, 40, 80, 140], speed_rad_s = [0, -180, 140, 10], interpolation = "cubic_clamped" }},
-    {{ wheel = "w3", time_s = [0, 50, 90, 140], speed_rad_s = [0, 160, -120, 30], interpolation = "cubic_clamped" }},
-]
-output = {{ rate_hz = {rate_hz}, seed = {seed} }}
-"#
+        "schema = \"poinsot.case/1\"\nmodel = \"truth.toml\"\nduration_s = 140.0\ninitial.momentum_zero = true\n\
+         wheel_motion = [\n{}]\noutput = {{ rate_hz = {rate_hz}, seed = {seed} }}\n",
+        motions.collect::<String>()
     );
-    std::fs::write(at("case.toml"), case).unwrap();
+    std::fs::write(folder.join("case.toml"), case).unwrap();
     done(poinsot(folder).args(["simulate", "case.toml", "--out", "sim"]));
     let files = ["follow", "model.toml", "sim/telemetry.csv"];
-    let found = lines(&done(poinsot(folder).args(files)));
+    let found = poinsot(folder).args(files).output().unwrap();
+    let last = lines(&found).last().unwrap().clone();
+    (found.status.code(), last)
+}
+
+/// Simulates `truth.toml`, follows and identifies with `model.toml`: the last line, and the answer.
+fn turned(folder: &Path, truth: &str, model: &str, at: (u32, u32)) -> (Value, Value) {
+    std::fs::write(folder.join("truth.toml"), truth).unwrap();
+    std::fs::write(folder.join("model.toml"), model).unwrap();
+    let (code, last) = run(folder, WHEELS.len(), at);
+    assert_eq!(code, Some(0));
     let answer = ["identify", "--model", "model.toml", "--out", "answer"];
     let records = ["--telemetry", "sim/telemetry.csv"];
     done(poinsot(folder).args(answer).args(records));
-    let estimate = read(&at("answer/estimate.json"));
-    (found.last().unwrap().clone(), estimate)
+    let estimate = read(&folder.join("answer/estimate.json"));
+    (last, estimate)
+}
+
+/// A turn about one axis alone: the three elements of its row are known and given, the others are not, and the word stays *converging*.
+#[test]
+fn stat_a_turn_about_one_axis_gives_the_elements_of_its_row() {
+    let inertia = TRUE_INERTIA.map(|(element, x)| format!("{element} = {x}"));
+    let truth = turned_from_rest("exact = true", &inertia.join(", "), WHEELS);
+    let model = turned_from_rest("exact = true", "xx = 4.6, yy = 4.7, zz = 3.6", WHEELS);
+    for (rate_hz, seed) in [(5, 1), (13, 2), (20, 3)] {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("truth.toml"), &truth).unwrap();
+        std::fs::write(folder.path().join("model.toml"), &model).unwrap();
+        let (code, last) = run(folder.path(), 1, (rate_hz, seed));
+        assert_eq!((code, &last["health"]), (Some(1), &"converging".into()));
+        for (element, truth) in TRUE_INERTIA {
+            let number = &last["numbers"][format!("bus.inertia_kg_m2.{element}")];
+            let sigma = number["sigma"].as_f64().unwrap();
+            match number["value"].as_f64() {
+                Some(value) => {
+                    assert!(element.contains('x') && (value - truth).abs() < 4.5 * sigma)
+                }
+                None => assert!(!element.contains('x') && sigma > 0.5),
+            }
+        }
+    }
 }
 
 /// Errors of the last line in its sigmas, and these over those of `identify`.
