@@ -30,6 +30,8 @@ type Row = Vec<f64>;
 enum Effort {
     /// A manoeuvre of the existing vehicle.
     Manoeuvre,
+    /// A rotation in which the total momentum differs: a torque from outside, which a vehicle with wheels alone lacks.
+    Turn,
     /// Additional equipment.
     Equipment,
     /// A number from another source.

@@ -1,11 +1,12 @@
-//! Tested records: a rotation, a joint motion, a sensor, a thrust. Those within the vehicle's capability come first.
+//! Tested records: a rotation, a motion of joints or wheels, a sensor, a thrust. Those within the vehicle's capability come first.
 
 use super::baseline::Baseline;
-use super::{Action, Change, Effort, Row};
+use super::{Action, Change, Effort, Row, listed};
 use crate::fit::part_of_record::at_times;
 use crate::likelihood::{InitialState, InitialStateColumns, Setting, evaluate};
 use crate::motion::Fineness;
 use crate::motion::input_curves::InputCurves;
+use crate::problem::Problem;
 use crate::problem::loss::Loss;
 use crate::problem::parameters::axis_name;
 use crate::problem::segment::{Firing, Noise, Observations, Segment, SensorRecord, SensorValue};
@@ -25,8 +26,10 @@ const ACCELERATION: f64 = 1.0e-4;
 const RATE: f64 = 0.05;
 /// Size of a joint's motion that is tried, rad or m, and its turns in the record.
 const SWING: (f64, f64) = (0.3, 3.0);
-/// Largest number of tested joints, those next to the base first: the time of all grows with the square of a chain.
+/// Largest number of tested joints, those next to the base first: the time of all grows with the square of a chain. The same of wheels.
 const JOINTS: usize = 32;
+/// Largest change of a wheel's speed that is tried, rad/s, and its slope, rad/s2: small for the wheels of any size.
+const RUN: (f64, f64) = (100.0, 10.0);
 /// Largest force that is tried, N, its arm, m, and the share of the record that it lasts.
 const PUSH: (f64, f64, f64) = (1.0, 0.5, 0.1);
 
@@ -34,7 +37,7 @@ impl Baseline<'_> {
     /// Records with a sensor, a thrust, a momentum or a motion that is missing; `None` without a record to start
     /// from.
     pub fn records(&self) -> Option<Vec<Change>> {
-        use Effort::{Equipment, Manoeuvre};
+        use Effort::{Equipment, Manoeuvre, Turn};
         let from = self.problem.segments.first()?;
         let (base, share) = thinned(from, self.sees_translation, self.problem.noise)?;
         let trial = Trial {
@@ -43,6 +46,7 @@ impl Baseline<'_> {
             sees_translation: self.sees_translation,
             known_momentum: false,
             thrusters: self.problem.model.thrusters.clone(),
+            share,
         };
         let mut list = Vec::new();
         let mut add = |effort: Effort, text: String, trial: &Trial| {
@@ -54,14 +58,19 @@ impl Baseline<'_> {
                 });
             }
         };
-        let model = self.problem.model;
-        let actuated = !model.wheels.is_empty() || !trial.thrusters.is_empty();
         let by = |there: bool| if there { Manoeuvre } else { Equipment };
-        self.turns(&trial, &mut |text, trial| add(by(actuated), text, trial));
+        let turn = match (
+            trial.thrusters.is_empty(),
+            self.problem.model.wheels.is_empty(),
+        ) {
+            (false, _) => Manoeuvre,
+            (true, false) => Turn,
+            (true, true) => Equipment,
+        };
+        self.turns(&trial, &mut |text, trial| add(turn, text, trial));
         self.joints(&trial, &mut |text, trial| add(Manoeuvre, text, trial));
-        self.sensors(&trial, share, &mut |text, trial| {
-            add(Equipment, text, trial)
-        });
+        self.wheels(&trial, &mut |text, trial| add(Manoeuvre, text, trial));
+        self.sensors(&trial, &mut |text, trial| add(Equipment, text, trial));
         self.pushes(&trial, &mut |own, text, trial| add(by(own), text, trial));
         let mut known = trial;
         known.known_momentum = true;
@@ -70,12 +79,18 @@ impl Baseline<'_> {
         Some(list)
     }
 
-    /// The base also rotates about one of its axes.
-    fn turns(&self, trial: &Trial, add: &mut impl FnMut(String, &Trial)) {
+    /// The bodies at the first time of a record, and their inertia together, in base axes.
+    fn inertia(&self, trial: &Trial) -> (Kinematics, Matrix3) {
         let tree = self.problem.tree;
         let joints = &trial.segment.observations.joint_position;
         let kinematics = Kinematics::at(tree, joints.get(..tree.dof()).unwrap_or(&[]));
         let I = composite(&self.parameters.bodies(&self.x), &kinematics).I_SScm_B();
+        (kinematics, I)
+    }
+
+    /// The base also rotates about one of its axes.
+    fn turns(&self, trial: &Trial, add: &mut impl FnMut(String, &Trial)) {
+        let (_, I) = self.inertia(trial);
         let fastest = self.problem.segments[0].samples.w_NB_B.iter();
         let fastest = fastest.map(|w| w.norm()).fold(RATE, f64::max);
         for axis in 0..3 {
@@ -123,8 +138,48 @@ impl Baseline<'_> {
         }
     }
 
+    /// A wheel whose speed rises and falls back; all of them, one after the other. The base reaches the tested rate at most.
+    fn wheels(&self, trial: &Trial, add: &mut impl FnMut(String, &Trial)) {
+        let wheels = &self.problem.model.wheels;
+        let (kinematics, I) = self.inertia(trial);
+        let (most, slope) = RUN;
+        let each = (0..wheels.len().min(JOINTS)).map(|k| k..k + 1);
+        let all = (wheels.len() > 1).then_some(0..wheels.len());
+        for set in each.chain(all) {
+            let of = &wheels[set.clone()];
+            let lasting = trial.span() / of.len() as f64;
+            let reached = of.iter().map(|wheel| {
+                let axis = kinematics.R[wheel.body] * wheel.axis_B;
+                RATE * axis.dot(&(I * axis)) / wheel.spin_inertia
+            });
+            let size = reached.fold(most.min(0.5 * slope * lasting), f64::min);
+            let mut running = trial.clone();
+            let o = &mut running.segment.observations;
+            let speeds = o.wheel_speed.chunks_exact_mut(wheels.len());
+            for (speeds, t) in speeds.zip(&o.time_s) {
+                for (k, wheel) in set.clone().enumerate() {
+                    let share = (t - o.time_s[0]) / lasting - k as f64;
+                    speeds[wheel] += size * (1.0 - (2.0 * share - 1.0).abs()).max(0.0);
+                }
+            }
+            let names: Vec<&str> = of.iter().map(|wheel| wheel.name.as_str()).collect();
+            let (names, half) = (listed(&names), rounded(0.5 * lasting, 3));
+            let size = rounded(size, 2);
+            let whose = match of.len() {
+                1 => format!("the speed of {names}"),
+                _ => format!("the speeds of {names}, one after the other,"),
+            };
+            let text = format!(
+                "record {:.0} s more with {whose} rising evenly by {size} rad/s in {half} s and falling back in the same time",
+                trial.span()
+            );
+            add(text, &running);
+        }
+    }
+
     /// A velocity sensor or an accelerometer on the base.
-    fn sensors(&self, trial: &Trial, share: f64, add: &mut impl FnMut(String, &Trial)) {
+    fn sensors(&self, trial: &Trial, add: &mut impl FnMut(String, &Trial)) {
+        let share = trial.share;
         let samples = trial.segment.observations.time_s.len();
         if !self.sees_translation {
             let mut with = trial.clone();
@@ -155,8 +210,7 @@ impl Baseline<'_> {
         let start_s = o.time_s[0];
         let lasting = (trial.span() * share).max(f64::MIN_POSITIVE);
         // At most the tested rate about the base's axes.
-        let kinematics = Kinematics::new(self.problem.tree);
-        let I = composite(&self.parameters.bodies(&self.x), &kinematics).I_SScm_B();
+        let (_, I) = self.inertia(trial);
         let force = (RATE * I.trace() / 3.0 / (arm * lasting)).clamp(1.0e-6, most);
         // Edges on the grid.
         let last = ((o.time_s.len() as f64 * share).ceil() as usize).min(o.time_s.len() - 1);
@@ -212,13 +266,25 @@ impl Baseline<'_> {
         };
         // A separate record, without the others.
         let index = self.problem.segments.len();
+        // The readings of inputs are as few as those of the gyro.
+        let scaled = |all: &[f64]| all.iter().map(|x| x * trial.share).collect();
+        let given = self.problem.noise;
+        let noise = Noise {
+            joint_position: scaled(&given.joint_position),
+            joint_rate: scaled(&given.joint_rate),
+            wheel_speed: scaled(&given.wheel_speed),
+            ..given.clone()
+        };
         let mut curves = vec![InputCurves::default(); index];
         if self.parameters.delay_inputs() {
-            curves.push(InputCurves::new(o, self.problem.noise));
+            curves.push(InputCurves::new(o, &noise));
         }
         let setting = Setting {
             known: None,
-            problem: *self.problem,
+            problem: Problem {
+                noise: &noise,
+                ..*self.problem
+            },
             thrusters: &trial.thrusters,
             parameters: &self.parameters,
             nominal_spin: &self.problem.model.spin_inertias(),
@@ -256,6 +322,8 @@ struct Trial {
     sees_translation: bool,
     known_momentum: bool,
     thrusters: Vec<Thruster>,
+    /// Number of its readings of the gyro over those that they stand for.
+    share: f64,
 }
 
 impl Trial {
@@ -317,9 +385,11 @@ fn thinned(segment: &Segment, moving: bool, noise: &Noise) -> Option<(Segment, f
             _ => false,
         };
         if kept {
+            let own = record.samples.iter();
+            let own = own.filter(|s| o.time_s[s.to] - first <= SPAN).count();
             let mut few = record.with_samples(std::iter::empty());
-            // Fewer samples stand for all of them.
-            few.scale_noise(share);
+            // These samples stand for all of its own.
+            few.scale_noise(samples as f64 / own.max(1) as f64);
             sensors.push(few.at_every_time(vec![any_value(record.kind); samples]));
         }
     }
