@@ -3,6 +3,7 @@
 mod prior;
 mod rigid;
 
+use crate::bind::{file_label, silent, to_map};
 use crate::channel_names;
 use crate::error::{Error, missing, no_noise, unsupported};
 use crate::mass_numbers::{names, with_answer};
@@ -115,13 +116,14 @@ impl OnBoard {
             let (name, words) = (&m.name, m.estimate.words().join(", "));
             format!("assumed: {words} of mode '{name}' as declared; identify finds such numbers")
         }));
-        let locked = model.joints.iter().filter(|j| j.locked_at.is_some());
-        assumed.extend(locked.map(|j| {
-            let (at, unit) = (j.standing_at(), channel_names::joint_unit(j));
-            format!(
-                "assumed: joint '{}' stays at {at} {unit}, unless a record has its position",
-                j.name
-            )
+        let none = Table::default();
+        let joints: Vec<usize> = (0..model.joints.len()).collect();
+        let still = silent(model, &none, &joints, false);
+        assumed.extend(still.filter_map(|part| {
+            let (said, subject, channel) = (part.said?, part.subject, part.channel);
+            Some(format!(
+                "assumed: {subject} {said}, unless a record has {channel}"
+            ))
         }));
         for thruster in &model.thrusters {
             rigid.on_base(thruster.body, &format!("thruster \"{}\"", thruster.name))?;
@@ -184,25 +186,23 @@ impl OnBoard {
     /// # Errors
     /// E0301: a channel is missing.
     pub fn check_channels(&self, model: &Model, table: &Table) -> Result<(), Error> {
-        use SensorKind::{Attitude, Gyro, JointPosition, JointRate, Position, Thrust, WheelSpeed};
+        use SensorKind::{Attitude, Gyro, JointRate, Position};
         let position = [Position]
             .into_iter()
             .filter(|_| self.configuration.noise.position > 0.0);
         let sensors = [Gyro, Attitude].into_iter().chain(position);
         let sensors = sensors.filter(|kind| channels(model, table, *kind).is_none());
         let sensors = sensors.map(|kind| kind.columns().join(" "));
-        let all = [WheelSpeed, Thrust].map(|kind| channel_names::of_all(model, kind));
-        let joints = [JointPosition, JointRate].map(|kind| self.joint_names(model, kind));
-        let scalars = all.into_iter().chain(joints).flatten();
-        let scalars = scalars.filter(|name| table.sensor_channel("", name).is_none());
-        sensors.chain(scalars).next().map_or(Ok(()), |name| {
-            let advice = format!(
-                "map its column in [telemetry.columns], or say of a joint where it is locked (unused: {})",
-                table.ignored.join(", ")
-            );
-            let purpose = "the on-board filter needs it";
-            Err(missing(&model.name, &name, purpose, &advice))
-        })
+        let lacks = |name: &String| table.sensor_channel("", name).is_none();
+        let rates = self.joint_names(model, JointRate).into_iter().filter(lacks);
+        let file = file_label(table);
+        let needed = sensors.chain(rates).flat_map(|names| {
+            let advice = to_map(&names, &table.ignored);
+            missing(&file, &names, "the on-board filter needs it", &advice).list
+        });
+        let parts = silent(model, table, &self.moving, false).filter(|part| part.said.is_none());
+        let faults = needed.chain(parts.map(|part| part.fault(table)));
+        Error::none_or(faults.collect(), ())
     }
 
     /// Names of the channels of the joints that move.
@@ -223,10 +223,12 @@ impl OnBoard {
             let names = names.iter();
             names.map(|name| table.sensor_channel("", name)).collect()
         };
+        // Without a channel is what the model says to be at rest.
+        let still = || vec![Some(0.0); times.len()];
         let at_times = |names: Vec<String>| -> Vec<Vec<Option<f64>>> {
             let channels = find(names).into_iter();
             channels
-                .map(|c| c.map_or_else(Vec::new, |c| resample(c, times, None)))
+                .map(|c| c.map_or_else(still, |c| resample(c, times, None)))
                 .collect()
         };
         let speeds = at_times(channel_names::of_all(model, SensorKind::WheelSpeed));

@@ -488,8 +488,55 @@ fn cli_follow_says_what_is_missing_and_where_a_row_is_broken() {
         ("wheel3_rad_s", "rw3", "wheel3_rad_s"),
     ] {
         let text = refused(&rows.replace(own, other), &[]);
-        assert!(text.starts_with("E0301 ") && text.contains(named), "{text}");
-        assert!(text.contains(other), "{text}");
+        assert!(text.starts_with("E0301 rows.csv: "), "{text}");
+        assert!(text.contains(named) && text.contains(other), "{text}");
+        // The lines that it prints are a map.
+        let (_, lines) = text.split_once("[telemetry.columns] ").unwrap();
+        let (lines, _) = lines.split_once(", with its own unit").unwrap();
+        let mut lines = lines.replace("}, ", "}\n");
+        for name in named.split(' ') {
+            lines = lines.replacen('…', &name.replace(own, other), 1);
+        }
+        let lines = format!("[telemetry.columns]\n{lines}\n");
+        std::fs::write(folder.path().join("map.toml"), lines).unwrap();
+        let mut command = poinsot(folder.path());
+        command.arg("follow").arg(model()).arg("rows.csv");
+        done(command.args(["--map", "map.toml"]));
+    }
+    // A wheel is named by both commands in the same words, whatever the names of the columns that are not used; what they advise works.
+    let model_text = std::fs::read_to_string(model()).unwrap();
+    for (wheel, columns) in [("wheel3", ["a", "b"]), ("wheel1", ["z1", "temp"])] {
+        let channel = format!("{wheel}_rad_s");
+        let (head, rest) = rows.split_once('\n').unwrap();
+        let others = rest.lines().map(|row| format!("{row},0\n"));
+        let head = format!("{},{}\n", head.replace(&channel, columns[0]), columns[1]);
+        let other = head + &others.collect::<String>();
+        let said = refused(&other, &[]);
+        let advice = format!(
+            "map it by [telemetry.columns] {channel} = {{ column = \"…\", unit = \"rad/s\" }}, with its own unit (unused: {}); or write at_rest = true",
+            columns.join(", ")
+        );
+        assert!(said.contains(&advice), "{said}");
+        let mut identify = poinsot(folder.path());
+        identify.arg("identify").arg("--model").arg(model());
+        let output = identify.args(["--telemetry", "rows.csv"]).output().unwrap();
+        assert_eq!(String::from_utf8_lossy(&output.stderr), said);
+        // The wheel turns: the numbers are wrong, but the rows are read.
+        let name = format!("name = \"{wheel}\"\n");
+        let rests = model_text.replace(&name, &format!("{name}at_rest = true\n"));
+        std::fs::write(folder.path().join("rests.toml"), rests).unwrap();
+        let mut command = poinsot(folder.path());
+        let output = command
+            .args(["follow", "rests.toml", "rows.csv"])
+            .output()
+            .unwrap();
+        let assumed = format!("assumed: {wheel} at rest (at_rest), unless a record has {channel}");
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert!(
+            error.contains(&assumed) && output.status.code() != Some(2),
+            "{error}"
+        );
+        assert!(!output.stdout.is_empty());
     }
     // In a later batch than the first.
     let mut broken: Vec<&str> = rows.lines().collect();

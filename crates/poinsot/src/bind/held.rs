@@ -1,11 +1,12 @@
 //! Joints, wheels and thrusters without a column: the model says that they stand still, or the record is refused.
 
-use super::channels::{Channels, JointColumns};
+use super::channels::Channels;
 use super::driven_wheels::speed_column;
-use crate::channel_names::joint_unit;
+use super::file_label;
+use crate::channel_names::{joint_channels, joint_unit};
 use poinsot_files::{Fault, Faults, Place};
-use poinsot_model::Joint;
-use poinsot_telemetry::{Channel, noise_level};
+use poinsot_model::{Joint, Model};
+use poinsot_telemetry::{Channel, Table, classify, noise_level};
 
 /// Likeness of two names from which one is told beside the other.
 const ALIKE: f64 = 0.85;
@@ -18,11 +19,11 @@ const OF_RATES: [&str; 7] = ["vel", "rate", "speed", "rpm", "dot", "_s", "omega"
 const OF_EFFORTS: [&str; 5] = ["torque", "effort", "current", "volt", "temp"];
 
 /// A joint, wheel or thruster without a channel.
-struct Silent<'a> {
-    subject: &'a str,
-    channel: String,
+pub(crate) struct Silent<'a> {
+    pub subject: &'a str,
+    pub channel: String,
     /// What the model says of it.
-    said: Option<String>,
+    pub said: Option<String>,
     /// What would say it.
     declare: String,
     /// Words that are in no column of it.
@@ -36,12 +37,30 @@ struct Silent<'a> {
 /// # Errors
 /// The model does not say what one of them does, or a rate contradicts it.
 pub(super) fn held(channels: &Channels, repairs: &mut Vec<String>) -> Result<(), Faults> {
-    let model = channels.model;
-    let joints = channels.joints().filter(|j| j.position.is_none());
-    let joints = joints.map(|columns| of_joint(&model.joints[columns.at], columns));
-    let wheels = model.wheels.iter().zip(channels.tachometers());
-    let wheels = wheels.filter(|(_, speed)| speed.is_none());
-    let wheels = wheels.map(|(wheel, _)| Silent {
+    let mut faults = Vec::new();
+    let (model, joints) = (channels.model, &channels.tree.coordinates);
+    for part in silent(model, channels.table, joints, true) {
+        match (&part.said, &part.moves) {
+            (Some(said), None) => repairs.push(format!(
+                "{}: no channel '{}': assumed: {} {said}",
+                channels.label, part.channel, part.subject
+            )),
+            _ => faults.push(part.fault(channels.table)),
+        }
+    }
+    Faults::none_or(faults, ())
+}
+
+/// Those of some joints, and of all wheels and thrusters, that have no column; `springs`: whether springs may move joints.
+pub(crate) fn silent<'a>(
+    model: &'a Model,
+    table: &'a Table,
+    joints: &'a [usize],
+    springs: bool,
+) -> impl Iterator<Item = Silent<'a>> {
+    let joints = joints.iter().map(|at| &model.joints[*at]);
+    let joints = joints.map(move |joint| of_joint(joint, table, springs));
+    let wheels = model.wheels.iter().map(|wheel| Silent {
         subject: &wheel.name,
         channel: speed_column(&wheel.name),
         said: wheel.at_rest.then(|| "at rest (at_rest)".to_owned()),
@@ -57,21 +76,12 @@ pub(super) fn held(channels: &Channels, repairs: &mut Vec<String>) -> Result<(),
         other: Vec::new(),
         moves: None,
     });
-    let thrusters = thrusters.filter(|own| channels.find(&own.channel).is_none());
-    let mut faults = Vec::new();
-    for part in joints.chain(wheels).chain(thrusters) {
-        match (&part.said, &part.moves) {
-            (Some(said), None) => repairs.push(format!(
-                "{}: no channel '{}': assumed: {} {said}",
-                channels.label, part.channel, part.subject
-            )),
-            _ => faults.push(part.fault(channels)),
-        }
-    }
-    Faults::none_or(faults, ())
+    let all = joints.chain(wheels).chain(thrusters);
+    all.filter(|own| table.sensor_channel("", &own.channel).is_none())
 }
 
-fn of_joint<'a>(joint: &'a Joint, columns: JointColumns<'_>) -> Silent<'a> {
+fn of_joint<'a>(joint: &'a Joint, table: &Table, springs: bool) -> Silent<'a> {
+    let [position, rate, ..] = joint_channels(joint);
     let key = format!("locked_at_{}", joint_unit(joint));
     let said = match joint.locked_at {
         Some(at) => Some(format!("locked at {at} ({key})")),
@@ -79,14 +89,18 @@ fn of_joint<'a>(joint: &'a Joint, columns: JointColumns<'_>) -> Silent<'a> {
             .is_passive()
             .then(|| "moved by its spring (spring_damper)".to_owned()),
     };
-    let moving = columns.rate.is_some_and(moves);
+    let moving = table.sensor_channel("", &rate).is_some_and(moves);
+    let spring = match springs {
+        true => ", spring_damper where a spring moves it",
+        false => "",
+    };
     Silent {
         subject: &joint.name,
-        channel: columns.position_name,
+        channel: position,
         said,
-        declare: format!("{key} where it is locked, spring_damper where a spring moves it"),
+        declare: format!("{key} where it is locked{spring}"),
         other: [&OF_RATES[..], &OF_EFFORTS].concat(),
-        moves: moving.then_some(columns.rate_name),
+        moves: moving.then_some(rate),
     }
 }
 
@@ -98,9 +112,9 @@ fn moves(rate: &Channel) -> bool {
 
 impl Silent<'_> {
     /// E0301, with the unused column that is most like it.
-    fn fault(&self, channels: &Channels) -> Fault {
+    pub fn fault(&self, table: &Table) -> Fault {
         let (subject, name) = (self.subject, self.channel.as_str());
-        let unused = &channels.table.ignored;
+        let unused = &table.ignored;
         let [plain_subject, plain_name] = [subject, name].map(str::to_lowercase);
         let likeness = |column: &str| {
             let column = column.to_lowercase();
@@ -111,20 +125,16 @@ impl Silent<'_> {
             (fits && (own || alike > ALIKE)).then(|| alike + f64::from(u8::from(own)))
         };
         let near = unused.iter().filter_map(|c| Some((likeness(c)?, c)));
-        let unit = poinsot_telemetry::classify(name).map_or("", |c| c.dimension.si());
         let map = match near.max_by(|a, b| a.0.total_cmp(&b.0)) {
             Some((_, column)) => format!(
-                "map the unused column '{column}' by [telemetry.columns] {name} = {{ column = \"{column}\", unit = \"{unit}\" }}, with its own unit"
+                "map the unused column '{column}' by [telemetry.columns] {}, with its own unit",
+                line(name, column)
             ),
-            None if unused.is_empty() => "add the column".to_owned(),
-            None => {
-                let told: Vec<&str> = unused.iter().take(TOLD).map(String::as_str).collect();
-                format!("add or map its column (unused: {})", told.join(", "))
-            }
+            None => to_map(name, unused),
         };
         // What the files say of a channel that they could have had.
         let names = |said: &&String| said.split([' ', ',', ':', ';', '\'']).any(|w| w == name);
-        let said = channels.table.repairs.iter().find(names);
+        let said = table.repairs.iter().find(names);
         let said = said.map_or(String::new(), |said| format!(" ({said})"));
         let problem = match &self.moves {
             Some(rate) => format!("no channel '{name}', but '{rate}' says that the joint moves"),
@@ -133,6 +143,27 @@ impl Silent<'_> {
             }
         };
         let advice = format!("{map}; or write {}", self.declare);
-        Fault::new("E0301", Place::label(channels.label), problem, advice)
+        Fault::new("E0301", Place::label(&file_label(table)), problem, advice)
     }
+}
+
+/// The lines of a map for channels without a column, their names apart by blanks. No component of another vector is meant.
+pub(crate) fn to_map(names: &str, unused: &[String]) -> String {
+    let other = |column: &&str| classify(column).is_some_and(|of| of.vector().is_some());
+    let told = unused.iter().map(String::as_str).filter(|c| !other(c));
+    let told: Vec<&str> = told.take(TOLD).collect();
+    let column = match told[..] {
+        [] => return "add the column".to_owned(),
+        [only] if !names.contains(' ') => only,
+        _ => "…",
+    };
+    let lines: Vec<String> = names.split(' ').map(|name| line(name, column)).collect();
+    let (lines, told) = (lines.join(", "), told.join(", "));
+    format!("map it by [telemetry.columns] {lines}, with its own unit (unused: {told})")
+}
+
+/// The line of a map, with the unit of SI.
+fn line(name: &str, column: &str) -> String {
+    let unit = classify(name).map_or("", |c| c.dimension.si());
+    format!("{name} = {{ column = \"{column}\", unit = \"{unit}\" }}")
 }

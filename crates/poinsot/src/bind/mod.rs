@@ -19,7 +19,11 @@ mod sensors;
 pub use channels::{mountings, spin_inertias, wanted_channels};
 pub(crate) use cut::cut_at;
 pub use motion::acceleration_channels;
-pub(crate) use {noise::scalar, sensors::covariance};
+pub(crate) use {
+    held::{silent, to_map},
+    noise::scalar,
+    sensors::covariance,
+};
 
 use crate::channel_names::position;
 use crate::error::Error;
