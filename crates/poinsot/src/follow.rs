@@ -15,8 +15,8 @@ use std::path::{Path, PathBuf};
 /// Longest gap in steps of the first two samples, and at least in seconds.
 const GAP: f64 = 5.0;
 const GAP_S: f64 = 0.5;
-/// Power of time with which a sigma must fall, at least, so that a time to reach another one is said.
-const FALLS: f64 = 0.05;
+/// Longest time to reach a sigma that is said, in times of the record so far: its power of time is that of a factor of two in time.
+const FORESEEN: f64 = 1.0e3;
 /// Most lines whose sigmas are kept for that; then every second one.
 const KEPT: usize = 4096;
 
@@ -109,7 +109,8 @@ impl Course {
         let half = self.sigmas.partition_point(|[t, _]| *t <= 0.5 * elapsed_s);
         let [then_s, before] = *self.sigmas.get(half.checked_sub(1)?)?;
         let power = (before / sigma).ln() / (elapsed_s / then_s).ln();
-        (power > FALLS).then(|| elapsed_s * (sigma / wanted).powf(1.0 / power))
+        let times = (sigma / wanted).powf(1.0 / power);
+        (power > 0.0 && times <= FORESEEN).then(|| elapsed_s * times)
     }
 }
 
@@ -324,4 +325,31 @@ impl Follower {
 fn is_row(line: &str) -> bool {
     let first = line.trim_start_matches([' ', '\t', '"', '+', '-', '.']);
     first.starts_with(|c: char| c.is_ascii_digit())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A sigma that falls with any power of time is foreseen at its time, within a thousand times the record so far.
+    #[test]
+    fn exact_a_power_of_time_is_foreseen_where_that_is_of_use() {
+        for power in [1.5, 1.0, 0.5, 0.2, 0.05, 0.01, 1.0e-3, 0.0, -0.5] {
+            for ratio in [1.001, 1.05, 1.5, 4.0, 40.0] {
+                let mut course = Course::default();
+                let sigma = |t: f64| 3.0 * t.powf(-power);
+                (1..100).for_each(|k| course.take(f64::from(k), sigma(f64::from(k))));
+                let wanted = sigma(100.0) / ratio;
+                let own_s = 100.0 * f64::powf(ratio, 1.0 / power);
+                let said = course.reaches(100.0, sigma(100.0), wanted);
+                if power > 0.0 && own_s <= 1.0e5 {
+                    let error = said.unwrap() / own_s - 1.0;
+                    assert!(error.abs() < 1.0e-6, "{power} {ratio}: {said:?}, {own_s}");
+                } else {
+                    assert_eq!(said, None, "{power} {ratio}");
+                }
+                assert_eq!(course.reaches(100.0, wanted, wanted), Some(100.0));
+            }
+        }
+    }
 }

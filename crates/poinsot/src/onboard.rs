@@ -52,7 +52,7 @@ pub struct FollowedNumber {
     pub sigma: f64,
     /// The sigma that is wanted.
     pub wanted_sigma: f64,
-    /// When it was reached, or will be at this rate, s of the record; `None` where sigma does not fall.
+    /// When it was reached, or will be at this rate, s of the record; `None` beyond a thousand times the record so far.
     pub reached_at_s: Option<f64>,
 }
 
