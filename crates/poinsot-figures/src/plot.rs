@@ -193,10 +193,8 @@ impl Plot {
         let common = self.common_prefix().len();
         let longest = self.names.iter().map(|n| n.len() - common).max();
         let longest = longest.unwrap_or(0) as f64 * LETTER;
-        match longest * self.names.len() as f64 > wide {
-            true => SLANTED * longest,
-            false => 0.0,
-        }
+        let slanted = longest * self.names.len() as f64 > wide;
+        if slanted { SLANTED * longest } else { 0.0 }
     }
 
     /// Vertical ticks.

@@ -104,10 +104,8 @@ pub struct SensorDescription {
 pub fn describe(model: &Model) -> Description {
     let (mass_kg, system) = whole(model);
     let file = file_of(model);
-    let environment = match &file.environment {
-        Some(around) => lines(around),
-        None => vec!["free fall".to_owned()],
-    };
+    let around = file.environment.as_ref();
+    let environment = around.map_or_else(|| vec!["free fall".to_owned()], lines);
     Description {
         name: model.name.clone(),
         mass_kg,
@@ -224,11 +222,7 @@ fn unknown(model: &Model) -> Vec<String> {
     for body in &model.bodies {
         let words = body.estimate.words();
         if !words.is_empty() {
-            let prior = if body.prior.is_some() {
-                " (with prior)"
-            } else {
-                ""
-            };
+            let prior = body.prior.map_or("", |_| " (with prior)");
             out.push(format!("{}: {}{prior}", body.name, words.join(", ")));
         }
     }

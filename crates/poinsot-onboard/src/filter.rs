@@ -597,10 +597,8 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     pub(crate) fn here(&mut self) -> Option<Here> {
         let running = self.running.as_mut()?;
         let moving = Moving::new(&self.configuration, &self.numbers);
-        let Scratch {
-            posture, flexing, ..
-        } = &mut self.scratch;
-        let flexing = &mut flexing[0];
+        let scratch = &mut self.scratch;
+        let (posture, flexing) = (&mut scratch.posture, &mut scratch.flexing[0]);
         let mut place = |inputs: &[f64; INPUTS]| {
             posture.set(&self.configuration, &self.numbers, inputs);
             let locked = moving.place(posture, &Acting::zeros(), flexing)?;

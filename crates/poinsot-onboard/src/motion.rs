@@ -409,10 +409,8 @@ impl<'a> Moving<'a> {
     ) -> Option<FlexibleState> {
         linear.columns.begin(self.configuration, linear.over);
         let inputs = interval.inputs_at(0.0);
-        let Scratch {
-            posture, flexing, ..
-        } = &mut *linear.scratch;
-        let first = &mut flexing[0];
+        let scratch = &mut *linear.scratch;
+        let (posture, first) = (&mut scratch.posture, &mut scratch.flexing[0]);
         posture.set(self.configuration, self.numbers, &inputs);
         let start = self.place(posture, &Acting::zeros(), first)?;
         let flexible = first.as_ref().map(|f| &f.flexible);
@@ -444,9 +442,8 @@ impl<'a> Moving<'a> {
         (shares, dt): ([f64; 3], f64),
         linear: &mut Linear,
     ) -> Option<FlexibleState> {
-        let Scratch {
-            flexing, points, ..
-        } = &mut *linear.scratch;
+        let scratch = &mut *linear.scratch;
+        let (flexing, points) = (&mut scratch.flexing, &mut scratch.points);
         let mut place = |at: usize| {
             let point = &mut points[at];
             point.at = interval.inputs_at(shares[at]);
@@ -465,10 +462,8 @@ impl<'a> Moving<'a> {
         let last = over.rate(StepPoint::End, &end)?;
         let middle = state_in_middle((state, &rate), (&end, &last), dt);
         for (at, state) in [state, &middle, &end].into_iter().enumerate() {
-            let Scratch {
-                flexing, points, ..
-            } = linear.scratch;
-            let place = (&mut flexing[at], &mut points[at]);
+            let scratch = &mut *linear.scratch;
+            let place = (&mut scratch.flexing[at], &mut scratch.points[at]);
             let about = (state, &locked[at]);
             let seen = (linear.shown, linear.over);
             self.point(about, (interval, shares[at]), seen, place)?;
@@ -548,11 +543,8 @@ impl<'a> Moving<'a> {
 
     /// Carries all columns over a step.
     fn carry(&self, (shares, interval): ([f64; 3], &Interval), dt: f64, linear: &mut Linear) {
-        let Scratch {
-            flexing, points, ..
-        } = &*linear.scratch;
-        let points = points.each_ref();
-        let flexing = flexing.each_ref().map(Option::as_ref);
+        let points = linear.scratch.points.each_ref();
+        let flexing = linear.scratch.flexing.each_ref().map(Option::as_ref);
         let rows = StepRows {
             pose: points.map(|p| &p.pose),
             momentum: points.map(|p| interval.pushes().then_some(&p.push)),

@@ -269,10 +269,8 @@ fn same(a: f64, b: f64) -> bool {
 impl<Rows> Linearised<Rows> {
     /// The slack where it counts: the full step promises less.
     fn allowed(&self) -> f64 {
-        match self.predicted_reduction < self.slack {
-            true => self.slack,
-            false => 0.0,
-        }
+        let small = self.predicted_reduction < self.slack;
+        if small { self.slack } else { 0.0 }
     }
 }
 

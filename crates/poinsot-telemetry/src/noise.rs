@@ -158,10 +158,7 @@ pub(crate) fn is_constant(values: &[f64]) -> bool {
 /// The common step of all values, if any.
 pub(crate) fn quantum(values: &[f64]) -> Option<f64> {
     let largest = values.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-    let off = |n: f64| match n < FAR {
-        true => 1.0e-6 * n.max(1.0),
-        false => 0.0,
-    };
+    let off = |n: f64| if n < FAR { 1.0e-6 * n.max(1.0) } else { 0.0 };
     let round_off = ROUND_OFF * largest;
     // Two or three values always have a common step.
     common_step(values, 8, round_off, off).filter(|step| *step > 1.0e3 * round_off)

@@ -8,8 +8,8 @@ use crate::onboard::{FollowedNumber, OnBoard};
 use poinsot_model::{JointKind, Model, read_model};
 use poinsot_onboard::{GroundFilter, Health, Sample, SensorCounts};
 use poinsot_telemetry::{Part, ReadOptions, read_parts};
-use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Longest gap in steps of the first two samples, and at least in seconds.
@@ -21,64 +21,44 @@ const FORESEEN: f64 = 1.0e3;
 const KEPT: usize = 4096;
 
 /// What the filter knows at a time.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Followed {
     /// Time of the record, s.
     pub time_s: f64,
     /// What the numbers are worth.
+    #[serde(serialize_with = "as_word")]
     pub health: Health,
     /// The unknown numbers.
+    #[serde(serialize_with = "by_address")]
     pub numbers: Vec<FollowedNumber>,
     /// Measurements of gyro, attitude and position that were used and left out.
+    #[serde(flatten, serialize_with = "by_sensor")]
     pub counts: [SensorCounts; 3],
 }
 
 impl Followed {
-    /// The health as a word.
-    pub fn health_word(&self) -> &'static str {
-        match self.health {
-            Health::Converging => "converging",
-            Health::Determined => "determined",
-            Health::Inconsistent => "inconsistent",
-            Health::Stale => "stale",
-        }
-    }
-
     /// Whether all numbers are determined.
     pub fn is_determined(&self) -> bool {
         self.health == Health::Determined
     }
 }
 
-/// One object: time, health, the numbers by their addresses, and what each sensor gave.
-impl Serialize for Followed {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        #[derive(Serialize)]
-        struct Counted {
-            accepted: u64,
-            gated: u64,
-        }
-        let [gyro, attitude, position] = self.counts.map(|c| Counted {
-            accepted: c.accepted,
-            gated: c.gated,
-        });
-        let mut line = serializer.serialize_struct("Followed", 6)?;
-        line.serialize_field("time_s", &self.time_s)?;
-        line.serialize_field("health", self.health_word())?;
-        line.serialize_field("numbers", &ByAddress(&self.numbers))?;
-        line.serialize_field("gyro", &gyro)?;
-        line.serialize_field("attitude", &attitude)?;
-        line.serialize_field("position", &position)?;
-        line.end()
-    }
+fn as_word<S: Serializer>(health: &Health, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(match health {
+        Health::Converging => "converging",
+        Health::Determined => "determined",
+        Health::Inconsistent => "inconsistent",
+        Health::Stale => "stale",
+    })
 }
 
-struct ByAddress<'a>(&'a [FollowedNumber]);
+fn by_address<S: Serializer>(numbers: &[FollowedNumber], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(numbers.iter().map(|number| (&number.address, number)))
+}
 
-impl Serialize for ByAddress<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.0.iter().map(|number| (&number.address, number)))
-    }
+fn by_sensor<S: Serializer>(counts: &[SensorCounts; 3], serializer: S) -> Result<S::Ok, S::Error> {
+    let counts = counts.map(|c| BTreeMap::from([("accepted", c.accepted), ("gated", c.gated)]));
+    serializer.collect_map(["gyro", "attitude", "position"].into_iter().zip(counts))
 }
 
 /// How the sigma of a number falls.

@@ -18,8 +18,6 @@ pub enum BatchError {
 }
 
 pub(super) fn expect(name: &'static str, found: usize, length: usize) -> Result<(), BatchError> {
-    match found == length {
-        true => Ok(()),
-        false => Err(BatchError::Length(name, found, length)),
-    }
+    let fits = (found == length).then_some(());
+    fits.ok_or(BatchError::Length(name, found, length))
 }

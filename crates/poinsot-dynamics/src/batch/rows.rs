@@ -187,8 +187,5 @@ impl<'a> Rows<'a> {
 /// `N` numbers of a row.
 #[inline(always)]
 fn part<'a, const N: usize>(row: &'a mut &mut [f64], at: usize) -> Option<&'a mut [f64; N]> {
-    match row.get_mut(at..) {
-        Some(rest) => rest.first_chunk_mut(),
-        None => None,
-    }
+    row.get_mut(at..)?.first_chunk_mut()
 }

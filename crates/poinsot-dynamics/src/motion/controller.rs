@@ -15,10 +15,8 @@ pub(crate) fn allocation(axes: &[Vector3]) -> Result<Vec<Vector3>, usize> {
     let gram: Matrix3 = axes.iter().map(|a| a * a.transpose()).sum();
     let eigenvalues = gram.symmetric_eigenvalues();
     let rank = eigenvalues.iter().filter(|x| **x > 1e-9).count();
-    match gram.cholesky().filter(|_| rank == 3) {
-        Some(factor) => Ok(axes.iter().map(|a| -factor.solve(a)).collect()),
-        None => Err(rank),
-    }
+    let factor = gram.cholesky().filter(|_| rank == 3).ok_or(rank)?;
+    Ok(axes.iter().map(|a| -factor.solve(a)).collect())
 }
 
 /// Use of a controlled wheel.

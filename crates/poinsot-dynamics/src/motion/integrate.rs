@@ -97,10 +97,8 @@ pub(crate) fn equal_steps(
 
 /// An error where the state at `end` is not finite.
 pub(crate) fn finite(y: &[f64], end: f64) -> Result<(), Halt> {
-    match y.iter().all(|y| y.is_finite()) {
-        true => Ok(()),
-        false => Err(Halt::NotFinite { time: end }),
-    }
+    let finite = y.iter().all(|y| y.is_finite()).then_some(());
+    finite.ok_or(Halt::NotFinite { time: end })
 }
 
 /// An ordinary differential equation on a plain vector.

@@ -201,10 +201,8 @@ impl Swinging<'_> {
     fn carried_by(&self, own: &Hinge) -> Vector6<f64> {
         let each = self.hinges.iter().zip(self.rates.iter()).enumerate();
         let above = each.filter(|(k, _)| own.hangs_on(*k));
-        self.twist
-            + above
-                .map(|(_, (hinge, rate))| hinge.s * *rate)
-                .sum::<Vector6<f64>>()
+        let above = above.map(|(_, (hinge, rate))| hinge.s * *rate);
+        self.twist + above.sum::<Vector6<f64>>()
     }
 
     /// Momentum of what a joint carries beyond that while all is still.

@@ -86,10 +86,8 @@ fn unusable(solution: &Solution) -> Mat<f64> {
         basis.extend(naming::across(&w, &basis).try_normalize(0.0));
     }
     let d = open.ncols();
-    Mat::from_fn(n, d + basis.len(), |i, k| match k < d {
-        true => open[(i, k)],
-        false => basis[k - d][i],
-    })
+    let element = |i, k| if k < d { open[(i, k)] } else { basis[k - d][i] };
+    Mat::from_fn(n, d + basis.len(), element)
 }
 
 /// Nonlinear functions of the unknowns that the data determine and that are constant along all paths: augmented

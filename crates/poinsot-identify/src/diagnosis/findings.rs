@@ -33,9 +33,7 @@ pub(super) fn findings(d: &Diagnostics) -> Vec<Finding> {
         list.splice(0..0, lines);
     }
     if misfit {
-        for channel in &d.channels {
-            list.extend(too_large(channel));
-        }
+        list.extend(d.channels.iter().filter_map(too_large));
         if list.is_empty() {
             let text = format!(
                 "chi-square is {:.0} standard deviations above its expectation for the declared noise, and no known fault explains it",
@@ -60,10 +58,8 @@ fn cause(best: &Suspect, others: &[Suspect], misfit: bool) -> Finding {
         .iter()
         .map(|v| value(&v.name, v.value, v.unit))
         .collect();
-    let values = match values.is_empty() {
-        true => String::new(),
-        false => format!(": {}", values.join(", ")),
-    };
+    let values = (!values.is_empty()).then(|| format!(": {}", values.join(", ")));
+    let values = values.unwrap_or_default();
     let tied: Vec<&Suspect> = others.iter().filter(|s| s.tied).take(TIES).collect();
     let names: Vec<&str> = tied.iter().map(|s| s.name.as_str()).collect();
     let or = match names.is_empty() {
@@ -95,15 +91,11 @@ fn too_large(c: &ChannelDiagnosis) -> Option<Finding> {
     if ratio <= 1.0 + 1.5 * EXCESS * (2.0 / numbers).sqrt() {
         return None;
     }
+    let colour = ["", " and correlated in time"][usize::from(!c.is_white())];
     let text = format!(
-        "residual of the {} is {:.2} times as large as declared{}",
+        "residual of the {} is {:.2} times as large as declared{colour}",
         c.name,
-        ratio.sqrt(),
-        if c.is_white() {
-            ""
-        } else {
-            " and correlated in time"
-        }
+        ratio.sqrt()
     );
     Some(Finding::new(FaultKind::Unexplained, text))
 }

@@ -109,10 +109,8 @@ pub(super) fn suspects(
     let all = list.into_iter().zip(&evidence);
     all.map(|(one, own)| {
         let mut s = one.suspect;
-        s.explains = match of.misfit {
-            true => (s.decrease / of.excess).clamp(0.0, 1.0),
-            false => 0.0,
-        };
+        let share = (s.decrease / of.excess).clamp(0.0, 1.0);
+        s.explains = if of.misfit { share } else { 0.0 };
         s.tied = evidence[0] - own < limits.tied_evidence;
         name(experiment, &mut s);
         s

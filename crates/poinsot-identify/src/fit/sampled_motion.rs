@@ -555,10 +555,7 @@ impl InputSamples<'_> {
     /// along the mean motion, each over its variance.
     fn deviance<const N: usize>(&self, start: &Start<N>, sizes: &[f64]) -> f64 {
         let (mut x, rounded) = (start.mean, self.is_rounded());
-        let over = |square: f64, variance: f64| match variance > 0.0 {
-            true => square / variance,
-            false => 0.0,
-        };
+        let over = |square: f64, by: f64| if by > 0.0 { square / by } else { 0.0 };
         let mut samples = self.samples.iter().peekable();
         let mut sum = start.log_det;
         for j in 0..N {

@@ -439,11 +439,8 @@ fn natural_units(
     properties: &[MassProperties],
     nominal: &[InertialParameters],
 ) -> Vec<(f64, f64)> {
-    let whole = composite(nominal, &Kinematics::new(tree));
-    let (mass, length) = match whole.mass_properties() {
-        Some(p) => (p.mass, p.radius_of_gyration()),
-        None => (1.0, 1.0),
-    };
+    let whole = composite(nominal, &Kinematics::new(tree)).mass_properties();
+    let (mass, length) = whole.map_or((1.0, 1.0), |p| (p.mass, p.radius_of_gyration()));
     let length = if length > 0.0 { length } else { 1.0 };
     properties
         .iter()

@@ -75,17 +75,13 @@ fn wanted(_: Node<'_, '_>, new: &MassProperties) -> Option<Wanted> {
 }
 
 fn spring(joint: Node<'_, '_>, new: &Spring) -> Wanted {
-    let mut compilers = joint.document().descendants();
-    let compilers = compilers.find_map(|n| match n.has_tag_name("compiler") {
-        true => n.attribute("angle"),
-        false => None,
-    });
+    let compilers = joint.document().descendants();
+    let mut compilers = compilers.filter(|n| n.has_tag_name("compiler"));
+    let compilers = compilers.find_map(|n| n.attribute("angle"));
     let turns = joint.attribute("type") != Some("slide");
     let in_degrees = turns && compilers.is_none_or(|angle| angle.trim() != "radian");
-    let rest = new.rest.map(|rest| match in_degrees {
-        true => rest.to_degrees(),
-        false => rest,
-    });
+    let written = |x: f64| if in_degrees { x.to_degrees() } else { x };
+    let rest = new.rest.map(written);
     let all = [
         ("stiffness", new.stiffness),
         ("damping", new.damping),

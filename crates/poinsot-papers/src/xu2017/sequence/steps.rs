@@ -29,10 +29,7 @@ impl Work<'_> {
         let inner = self.composite(0, |b| !self.carries(child, b));
         let outer = self.composite(child, |b| self.carries(child, b));
         let total = self.found.total;
-        let inward = match total {
-            Some(_) => self.order == Order::Inward,
-            None => inner_known,
-        };
+        let inward = total.map_or(inner_known, |_| self.order == Order::Inward);
         // Both sides from the searched one: affine in it.
         let compose = |x: &InertialParameters| match (total, inward) {
             (Some(total), false) => [*x, transported_back(&total.with_added(-1.0, x), &R, &p)],

@@ -29,10 +29,8 @@ const FIGURES: usize = 12;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn campaign_page(result: &CampaignFile) -> Result<Page, PageError> {
-    let mut figures = match axis_of(result) {
-        Some(address) => swept(result, &address),
-        None => fixed(result),
-    };
+    let axis = axis_of(result);
+    let mut figures = axis.map_or_else(|| fixed(result), |address| swept(result, &address));
     let first: Vec<Figure> = figures.drain(..1.min(figures.len())).collect();
     let complete = result.missing.is_empty() && result.trials >= result.planned;
     let methods = worst_of_methods(result);
