@@ -28,7 +28,7 @@ extern "C" {
 /* Samples of the first window: from a tenth of it on, pushes at which it has grown by a third replay it, at most 24 times. */
 #define POINSOT_ONBOARD_WINDOW 150
 /* Bytes of a filter; poinsot_onboard_size() tells how many of them the target needs. */
-#define POINSOT_ONBOARD_SIZE 360000
+#define POINSOT_ONBOARD_SIZE 370000
 
 /* Codes of the functions, an int32_t. */
 enum {

@@ -28,7 +28,7 @@ pub const VERSION: u32 = 4;
 /// Samples of the first window.
 pub const WINDOW: usize = 150;
 /// Bytes of the header's `poinsot_onboard`, enough on every target.
-pub const SIZE: usize = 360_000;
+pub const SIZE: usize = 370_000;
 /// What a filter's memory begins with.
 const MARK: u64 = u64::from_le_bytes(*b"PNFILTER");
 
