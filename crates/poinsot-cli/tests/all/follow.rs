@@ -215,10 +215,16 @@ fn run(folder: &Path, wheels: usize, (rate_hz, seed): (u32, u32)) -> (Option<i32
         r#"{ wheel = "w2", time_s = [0, 40, 80, 140], speed_rad_s = [0, -180, 140, 10] }"#,
         r#"{ wheel = "w3", time_s = [0, 50, 90, 140], speed_rad_s = [0, 160, -120, 30] }"#,
     ];
-    let motions = motions[..wheels].iter().map(|motion| {
-        let (motion, end) = motion.split_at(motion.len() - 1);
-        format!("{motion}, interpolation = \"cubic_clamped\" {end},\n")
-    });
+    let motions = motions
+        .iter()
+        .enumerate()
+        .map(|(k, motion)| match k < wheels {
+            true => motion.replace(" }", ", interpolation = \"cubic_clamped\" },\n"),
+            false => format!(
+                "{{ wheel = \"w{}\", time_s = [0.0], speed_rad_s = [0.0] }},\n",
+                k + 1
+            ),
+        });
     let case = format!(
         "schema = \"poinsot.case/1\"\nmodel = \"truth.toml\"\nduration_s = 140.0\ninitial.momentum_zero = true\n\
          wheel_motion = [\n{}]\noutput = {{ rate_hz = {rate_hz}, seed = {seed} }}\n",
