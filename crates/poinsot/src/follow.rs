@@ -90,7 +90,7 @@ impl Course {
         let [then_s, before] = *self.sigmas.get(half.checked_sub(1)?)?;
         let power = (before / sigma).ln() / (elapsed_s / then_s).ln();
         let times = (sigma / wanted).powf(1.0 / power);
-        (power > 0.0 && times <= FORESEEN).then(|| elapsed_s * times)
+        (power > 0.0 && times <= FORESEEN).then_some(elapsed_s * times)
     }
 }
 
