@@ -27,17 +27,17 @@ impl CoreFilter {
     fn push(&mut self, py: Python<'_>, record: &CoreRecord) -> PyResult<Vec<String>> {
         let pushed = py.detach(|| self.0.push_parts(&record.parts));
         let pushed = pushed.map_err(Fault::from)?;
-        Ok(pushed.iter().map(|f| f.json().to_string()).collect())
+        Ok(pushed.iter().map(poinsot::Followed::json).collect())
     }
 
     /// A line of JSON for a time, s; for the last row without one. None before the second row.
     #[pyo3(signature = (time_s=None))]
     fn at(&mut self, time_s: Option<f64>) -> Option<String> {
-        Some(self.0.at(time_s)?.json().to_string())
+        Some(self.0.at(time_s)?.json())
     }
 
     /// The last line, after the rows that are held back.
     fn end(&mut self) -> Option<String> {
-        Some(self.0.end()?.json().to_string())
+        Some(self.0.end()?.json())
     }
 }

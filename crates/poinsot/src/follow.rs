@@ -37,6 +37,11 @@ pub struct Followed {
 }
 
 impl Followed {
+    /// As the text of one JSON object.
+    pub fn json(&self) -> String {
+        serde_json::to_string(self).unwrap_or_default()
+    }
+
     /// Whether all numbers are determined.
     pub fn is_determined(&self) -> bool {
         self.health == Health::Determined
