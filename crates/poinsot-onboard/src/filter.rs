@@ -314,22 +314,19 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         self.running = None;
     }
 
-    /// Follows a motion over an interval, with columns over the numbers, or else over state and inputs.
+    /// Follows a motion over an interval, with its columns.
     fn follow(
         &mut self,
         from: &FlexibleState,
         interval: &Interval,
-        numbers: bool,
+        over: Over,
     ) -> Option<FlexibleState> {
         let moving = Moving::new(&self.configuration, &self.numbers);
         let linear = Linear {
             columns: &mut self.columns,
             shown: &self.shown,
             scratch: &mut self.scratch,
-            over: match numbers {
-                true => Over::Numbers,
-                false => Over::State(self.layout.state()),
-            },
+            over,
         };
         moving.follow(from, interval, linear)
     }
@@ -437,7 +434,8 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             dt: sample.time_s - running.time_s,
         };
         self.shown.watch(&self.configuration, sample);
-        running.state = self.follow(&from, &interval, false)?;
+        let layout = self.layout;
+        running.state = self.follow(&from, &interval, Over::State(layout.state()))?;
         running.time_s = sample.time_s;
         (running.read, running.inputs) = (inputs, inputs);
         running.force_B = sample.force_B.into();
@@ -743,7 +741,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     /// Adds what the numbers do over the last interval, linearised about the inputs found at its end.
     fn add_numbers(&mut self, mut step: Step) -> Option<()> {
         step.interval.found[1] = self.running?.found();
-        self.follow(&step.from, &step.interval, true)?;
+        self.follow(&step.from, &step.interval, Over::Numbers)?;
         let (layout, columns) = (self.layout, &self.columns.numbers);
         let theta = layout.theta();
         for (j, &k) in layout.numbers().iter().enumerate() {

@@ -118,9 +118,12 @@ pub fn momentum(of: &InertialParameters, twist: &Vector6) -> Vector6 {
 }
 
 impl Posture {
-    /// Nothing.
+    /// Nothing, all of its bits zero.
     pub const NONE: Self = Self {
-        unknown: Pose::BASE,
+        unknown: Pose {
+            R: Matrix3::from_array_storage(ArrayStorage([[0.0; AXES]; AXES])),
+            p: Vector3::new(0.0, 0.0, 0.0),
+        },
         of_unknown: NOTHING,
         whole: InertialParameters::ZERO,
         momentum: NOTHING,
