@@ -501,7 +501,7 @@ fn cli_follow_says_what_is_missing_and_where_a_row_is_broken() {
         let (lines, _) = lines.split_once(", with its own unit").unwrap();
         let mut lines = lines.replace("}, ", "}\n");
         for name in named.split(' ') {
-            lines = lines.replacen('…', &name.replace(own, other), 1);
+            lines = lines.replacen("...", &name.replace(own, other), 1);
         }
         let lines = format!("[telemetry.columns]\n{lines}\n");
         std::fs::write(folder.path().join("map.toml"), lines).unwrap();
@@ -519,7 +519,7 @@ fn cli_follow_says_what_is_missing_and_where_a_row_is_broken() {
         let other = head + &others.collect::<String>();
         let said = refused(&other, &[]);
         let advice = format!(
-            "map it by [telemetry.columns] {channel} = {{ column = \"…\", unit = \"rad/s\" }}, with its own unit (unused: {}); or write at_rest = true",
+            "map it by [telemetry.columns] {channel} = {{ column = \"...\", unit = \"rad/s\" }}, with its own unit (unused: {}); or write at_rest = true",
             columns.join(", ")
         );
         assert!(said.contains(&advice), "{said}");

@@ -147,7 +147,7 @@ impl Silent<'_> {
     }
 }
 
-/// The lines of a map for channels without a column, their names apart by blanks. No component of another vector is meant.
+/// The lines of a map for channels without a column, whose names have blanks between them. No component of another vector is meant.
 pub(crate) fn to_map(names: &str, unused: &[String]) -> String {
     let other = |column: &&str| classify(column).is_some_and(|of| of.vector().is_some());
     let told = unused.iter().map(String::as_str).filter(|c| !other(c));
@@ -155,7 +155,7 @@ pub(crate) fn to_map(names: &str, unused: &[String]) -> String {
     let column = match told[..] {
         [] => return "add the column".to_owned(),
         [only] if !names.contains(' ') => only,
-        _ => "…",
+        _ => "...",
     };
     let lines: Vec<String> = names.split(' ').map(|name| line(name, column)).collect();
     let (lines, told) = (lines.join(", "), told.join(", "));
