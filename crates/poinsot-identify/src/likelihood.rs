@@ -195,10 +195,8 @@ fn evaluate_driven(
 ) -> Option<Evaluated> {
     let tree = tilted(setting.problem.tree, setting.parameters, x);
     let vehicle = setting.vehicle(&tree, (index, segment), x);
-    let columns = match with_sensitivities {
-        true => unknown.columns(x.len()),
-        false => Vec::new(),
-    };
+    let columns = with_sensitivities.then(|| unknown.columns(x.len()));
+    let columns = columns.unwrap_or_default();
     let motion = || Motion::new(&vehicle, segment, columns.clone(), unknown.count());
     let asked = (unknown, with_sensitivities);
     let mut compare = SegmentComparison::new(setting, segment, x, asked, carried);

@@ -50,10 +50,8 @@ fn distances(found: &BodyEstimate, given: &MassProperties, within: f64) -> Vec<D
     let ratio = |what: &str, value: f64, sigma: f64, nominal: f64| {
         let ratio = value / nominal;
         let beyond = lies_beyond(value, sigma, nominal, within);
-        let limit = match beyond {
-            true => format!(", beyond the factor {within} of nominal_within"),
-            false => String::new(),
-        };
+        let limit = beyond.then(|| format!(", beyond the factor {within} of nominal_within"));
+        let limit = limit.unwrap_or_default();
         (nominal > 0.0).then(|| Distance {
             statistic: ("ratio to nominal", ratio),
             size: ratio.abs().max(1.0 / ratio.abs()),
@@ -90,10 +88,8 @@ fn centre(
     let [x, y, z] = [apart(0)?, apart(1)?, apart(2)?];
     let (away, gyration) = (x.hypot(y).hypot(z), given.radius_of_gyration());
     let beyond = away - 2.0 * sigma > within * gyration;
-    let limit = match beyond {
-        true => format!(", beyond the {within} of nominal_within"),
-        false => String::new(),
-    };
+    let limit = beyond.then(|| format!(", beyond the {within} of nominal_within"));
+    let limit = limit.unwrap_or_default();
     let radii = away / gyration;
     (gyration > 0.0).then(|| Distance {
         statistic: ("radii of gyration", radii),

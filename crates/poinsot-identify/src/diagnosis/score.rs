@@ -56,10 +56,8 @@ pub(super) struct Score {
 
 /// The record of a time in words; arrays have no name.
 pub(super) fn of_record(label: &str) -> String {
-    match label.is_empty() {
-        true => String::new(),
-        false => format!(" of {label}"),
-    }
+    let named = (!label.is_empty()).then(|| format!(" of {label}"));
+    named.unwrap_or_default()
 }
 
 /// The best of the places within a record that were tried, and how many these are.

@@ -93,6 +93,8 @@ struct Effect {
     gain: usize,
     /// Per unobservable direction: the identified share and its sigma, natural units.
     seen: Vec<(f64, f64)>,
+    /// What the sigma does not count.
+    beside: &'static str,
 }
 
 impl Effect {
@@ -109,6 +111,10 @@ impl Effect {
             seen: directions.iter().map(|z| seen(&spectrum, z)).collect(),
             text: in_words(changes),
             effort: changes.iter().map(|c| c.effort).max()?,
+            beside: match baseline.problem.model.uncertain().next().is_none() {
+                true => "",
+                false => " beside that of known numbers",
+            },
         })
     }
 
@@ -122,12 +128,17 @@ impl Effect {
         closed.map(|(_, sigma)| *sigma).fold(0.0, f64::max)
     }
 
+    fn sigma(&self) -> String {
+        let sigma = percent(self.largest_sigma());
+        format!("then sigma at most {sigma} of nominal{}", self.beside)
+    }
+
     /// The action with its gain: the same words for every direction that it resolves.
     fn words(&self) -> String {
         format!(
-            "{} (then sigma at most {} of nominal; resolves {} of {} unobservable directions)",
+            "{} ({}; resolves {} of {} unobservable directions)",
             self.text,
-            percent(self.largest_sigma()),
+            self.sigma(),
             self.gain,
             self.seen.len()
         )
@@ -266,9 +277,8 @@ impl<'a> Tried<'a> {
                 0 => format!("of {} unobservable directions", self.directions.len()),
                 _ => "more".to_owned(),
             };
-            let sigma = percent(effect.largest_sigma());
             let sigma = match size == changes.len() {
-                true => format!("; then sigma at most {sigma} of nominal"),
+                true => format!("; {}", effect.sigma()),
                 false => String::new(),
             };
             let (text, more) = (in_words(alike), gain - resolved);
