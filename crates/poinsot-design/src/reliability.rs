@@ -26,8 +26,7 @@ const TURNS: usize = 3;
 const TURNED: usize = 16;
 /// Cosine of a change of direction that is not followed.
 const TURNED_ENOUGH: f64 = 0.995;
-/// Runs of the subset simulation at once, whose scatter is the error of what they say; the relative error that is enough.
-pub(crate) const RUNS: u64 = 8;
+/// The relative error of a share that is enough.
 const ERROR: f64 = 0.2;
 /// Vehicles of a level, and levels.
 const EACH: usize = 250;
@@ -239,13 +238,14 @@ impl Runs {
             levels(fleet, &mut rng)
         };
         let mut all = Self(Vec::new());
-        for first in (0..*runs.end()).step_by(RUNS as usize) {
-            let more = (first..first + RUNS).into_par_iter().map(run);
+        let least = *runs.start();
+        for first in (0..*runs.end()).step_by(least as usize) {
+            let more = (first..first + least).into_par_iter().map(run);
             all.0.extend(more.collect::<Result<Vec<_>, Error>>()?);
             let (share, error) = all.share_beyond(held);
             // A share that is far from the allowed one need not be known well.
             let is_near = (share - ALLOWED).abs() < 2.0 * error + 0.5 * ALLOWED;
-            if first + RUNS >= *runs.start() && (error <= ERROR * share || !is_near) {
+            if error <= ERROR * share || !is_near {
                 break;
             }
         }
