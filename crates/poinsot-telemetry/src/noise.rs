@@ -29,11 +29,9 @@ pub struct NoiseLevel {
     pub upper_bound: bool,
     /// Whether all samples are equal.
     pub constant: bool,
-    /// Step of which all values are multiples: the least significant bit, or the last digit written.
+    /// Step of which all values are multiples: the least significant bit, or the last digit written. Where more than half of the third
+    /// differences vanish, `sigma` is quantum / sqrt(12), or zero if the channel only switches levels.
     pub quantum: Option<f64>,
-    /// Whether more than half of the third differences vanish: the noise is below the quantum. `sigma` is then quantum
-    /// / sqrt(12), or zero if the channel only switches levels.
-    pub below_quantum: bool,
 }
 
 /// Estimates white noise from differences of the samples.
@@ -74,7 +72,6 @@ pub fn noise_level(channel: &Channel) -> Option<NoiseLevel> {
         upper_bound: true,
         constant,
         quantum,
-        below_quantum: vanishes && !constant,
     };
     if vanishes {
         level.sigma = quantum.map_or(0.0, |q| q / 12.0_f64.sqrt());

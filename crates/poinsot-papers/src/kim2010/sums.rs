@@ -331,8 +331,6 @@ pub struct Iterated {
     pub spectral_radius: f64,
     /// Number of independent directions of fixed points.
     pub free_directions: usize,
-    /// The fixed point, if unique.
-    pub fixed_point: Option<[f64; 6]>,
 }
 
 impl Sums {
@@ -375,10 +373,9 @@ impl Sums {
         }
         let matrix = Mat::from_fn(6, 6, |i, j| B[i][j]);
         let eigenvalues = matrix.eigenvalues().map_err(|_| not_finite())?;
-        // The solution of `x = B x + b`.
+        // Fixed points solve `A x = b`.
         let A = Mat::from_fn(6, 6, |i, j| f64::from(u8::from(i == j)) - B[i][j]);
-        let mut point = [0.0; 6];
-        let rank = add_smallest(&A, &b, ROUND_OFF, &mut point).ok_or_else(not_finite)?;
+        let rank = add_smallest(&A, &b, ROUND_OFF, &mut [0.0; 6]).ok_or_else(not_finite)?;
         Ok(Iterated {
             answer: Answer {
                 elements: symmetric(&x),
@@ -388,7 +385,6 @@ impl Sums {
             sweeps,
             spectral_radius: largest(eigenvalues.iter().map(|z| z.re.hypot(z.im))),
             free_directions: 6 - rank,
-            fixed_point: (rank == 6).then_some(point),
         })
     }
 }
