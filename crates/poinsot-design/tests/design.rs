@@ -52,11 +52,16 @@ fn box_text() -> String {
 
 /// A case for the box with these limits and all numbers wanted to `relative`.
 fn boxed(limits: &str, relative: f64) -> (Case, Model) {
-    searched(limits, relative, "evaluations = 600")
+    sampled(2, limits, relative, "evaluations = 300")
 }
 
 /// The same with this search.
 fn searched(limits: &str, relative: f64, search: &str) -> (Case, Model) {
+    sampled(4, limits, relative, search)
+}
+
+/// The same with this rate, Hz.
+fn sampled(rate: u32, limits: &str, relative: f64, search: &str) -> (Case, Model) {
     let text = format!(
         r#"
 schema = "poinsot.case/1"
@@ -65,7 +70,7 @@ duration_s = 40.0
 [initial]
 momentum_zero = true
 [output]
-rate_hz = 4
+rate_hz = {rate}
 [[want]]
 number = "box.inertia_kg_m2"
 relative = {relative:e}
@@ -143,7 +148,7 @@ fn exact_what_a_design_says_is_what_predict_says_of_the_file_it_writes() {
     }
     let rows = std::fs::read_to_string(out.join("commands.csv")).unwrap();
     assert!(rows.starts_with("time_s,a_rad_s,b_rad_s,c_rad_s\n0,0,0,0\n"));
-    assert_eq!(rows.lines().count(), 1 + 161);
+    assert_eq!(rows.lines().count(), 1 + 81);
     let json: serde_json::Value =
         serde_json::from_slice(&std::fs::read(out.join("design.json")).unwrap()).unwrap();
     assert_eq!(json["schema"], "poinsot.design/3");
@@ -173,7 +178,7 @@ fn exact_what_a_design_says_is_what_predict_says_of_the_file_it_writes() {
 
 #[test]
 fn prop_the_same_bits_on_one_thread_and_on_three() {
-    let (case, model) = boxed("body_rate_rad_s = 0.05", 1.0e-3);
+    let (case, model) = sampled(1, "body_rate_rad_s = 0.05", 1.0e-3, "evaluations = 60");
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
@@ -310,7 +315,7 @@ rate_rad_s = 0.4
 torque_N_m = 1.5
 [design]
 starts = 2
-evaluations = 800
+evaluations = 400
 [[design.joint]]
 form = "spline"
 nodes = 7
@@ -339,7 +344,7 @@ fn stat_a_robust_design_is_not_worse_than_the_nominal_one_for_vehicles_that_it_h
     };
     let design = |robust: &str| {
         let search = format!("evaluations = 1200\n{robust}");
-        let (case, mut model) = searched("", 1.0e-3, &search);
+        let (case, mut model) = sampled(2, "", 1.0e-3, &search);
         model.bodies[0].prior.as_mut().unwrap().inertia = Some(0.3);
         (designed(&case, &model), model)
     };
@@ -652,7 +657,7 @@ fn prop_minutes_end_a_search_with_the_best_manoeuvre_so_far() {
 /// The secant rule alone stalls where the sigmas fall unevenly with the duration, and where it is rounded to whole samples.
 #[test]
 fn prop_the_shortest_time_is_bracketed_within_a_hundredth_or_a_sample() {
-    for relative in [0.5e-4, 1.0e-4, 2.0e-4, 5.0e-4] {
+    for relative in [1.0e-4, 5.0e-4] {
         let search = "objective = \"shortest_time\"\nevaluations = 1200";
         let (case, mut model) = searched("body_rate_rad_s = 0.04", relative, search);
         model.bodies[0].prior = None;
@@ -745,8 +750,8 @@ interpolation = "cubic_clamped"
 fn between(first_and_next: &str, design: &str) -> (Case, Model) {
     let text = format!(
         "schema = \"poinsot.case/2\"\nmodel = \"box.toml\"\nduration_s = 60.0\n[initial]\nmomentum_zero = true\n\
-         [output]\nrate_hz = 4\n[[want]]\nnumber = \"box.inertia_kg_m2\"\nrelative = 1e-3\n[[limits.wheel]]\n\
-         speed_rad_s = 150.0\ntorque_N_m = 0.05\n{first_and_next}[design]\nstarts = 2\nevaluations = 600\n{design}"
+         [output]\nrate_hz = 2\n[[want]]\nnumber = \"box.inertia_kg_m2\"\nrelative = 1e-3\n[[limits.wheel]]\n\
+         speed_rad_s = 150.0\ntorque_N_m = 0.05\n{first_and_next}[design]\nstarts = 2\nevaluations = 300\n{design}"
     );
     let case = parse_case(Path::new("box_case.toml"), text).unwrap();
     (case, parse_model(&box_text(), "box.toml").unwrap())
@@ -785,7 +790,7 @@ fn prop_a_design_between_two_motions_of_the_case_takes_them_up() {
         assert_eq!(wanted_sigma(&prediction.bound, want), reach.sigma);
     }
     // The same forty seconds tell less without the others.
-    let (case, _) = searched("", 1.0e-3, "evaluations = 600\n");
+    let (case, _) = boxed("", 1.0e-3);
     let alone = designed(&case, &model);
     assert!(found.file.worst_ratio < alone.file.worst_ratio);
 }

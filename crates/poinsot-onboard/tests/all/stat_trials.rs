@@ -9,7 +9,7 @@ use poinsot_onboard::{Answer, Health};
 /// Trials of each set-up; `POINSOT_TRIALS` gives another number.
 pub fn trials() -> u64 {
     let given = std::env::var("POINSOT_TRIALS").ok();
-    given.and_then(|n| n.parse().ok()).unwrap_or(20)
+    given.and_then(|n| n.parse().ok()).unwrap_or(8)
 }
 
 /// Error of the unknown parameters in sigma, and its squared size in their covariance.

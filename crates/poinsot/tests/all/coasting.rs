@@ -103,7 +103,7 @@ omega_z = {{ column = "z", unit = "deg/s" }}
 /// withheld; none is answered with another turn.
 #[test]
 fn stat_nutation_is_found_from_the_wrong_turn() {
-    let trials = std::env::var("POINSOT_TRIALS").map_or(4, |n| n.parse().unwrap());
+    let trials = std::env::var("POINSOT_TRIALS").map_or(2, |n| n.parse().unwrap());
     let folder = tempfile::tempdir().unwrap();
     let own = folder.path().join("model.toml");
     std::fs::write(&own, model()).unwrap();

@@ -121,7 +121,7 @@ fn stat_shipped_cases_keep_what_they_promise() {
 #[test]
 fn stat_random_vehicles_keep_what_they_promise() {
     let mut all = Vec::new();
-    for seed in 0..trials(20) {
+    for seed in 0..trials(10) {
         let (model, case) = drawn(seed);
         for origin in ORIGINS {
             let ratios = kept(&case, &model, origin);

@@ -170,12 +170,12 @@ fn stat_slow_errors_are_declared_or_noticed() {
             declared: true,
             ..slow
         };
-        let all = scores(6, Inputs::Wheels { q: 5.0 }, declared);
+        let all = scores(3, Inputs::Wheels { q: 5.0 }, declared);
         calibrated(row, SLOW.len() * (NUMBERS + 2), &all);
     }
     tables::heading(&["not declared", "seeds", "trusted", "largest z of these"]);
     for (row, slow) in rows {
-        let all = scores(6, Inputs::Wheels { q: 1.0 }, slow);
+        let all = scores(3, Inputs::Wheels { q: 1.0 }, slow);
         let trusted = || all.iter().filter(|s| s.trusted);
         let largest = trusted()
             .flat_map(|s| s.z)

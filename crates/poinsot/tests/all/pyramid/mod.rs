@@ -283,7 +283,7 @@ fn stat_a_prediction_says_the_sigmas_that_an_answer_states() {
         };
         let model = satellite::model(&ideal);
         let tree = Tree::new(&model);
-        for seed in 0..3 {
+        for seed in 0..1 {
             let bound = bind(&model, &tree, &[satellite::table(&ideal, seed)]).unwrap();
             let predicted = predicted_covariance(&bound.problem(&model, &tree)).unwrap();
             let table = satellite::table(&case, seed);
