@@ -160,7 +160,7 @@ fn exact_what_a_design_says_is_what_predict_says_of_the_file_it_writes() {
     let scene: serde_json::Value =
         serde_json::from_str(data.split("</script>").next().unwrap()).unwrap();
     let turns = scene["tree"]["base_q_xyzw"].as_array().unwrap();
-    assert_eq!(turns.len(), 161);
+    assert_eq!(turns.len(), 81);
     assert_eq!(turns[0], serde_json::json!([0.0, 0.0, 0.0, 1.0]));
     let angle = |q: &serde_json::Value| {
         let v = [0, 1, 2].map(|k| q[k].as_f64().unwrap().powi(2));
