@@ -206,6 +206,27 @@ fn exact_policies_do_what_they_say() {
     }
 }
 
+/// A wheel that ran up to its limit and stayed there had a placeholder, which a policy would exclude. A value that is reached in one
+/// step is one.
+#[test]
+fn prop_a_limit_that_is_reached_is_no_placeholder() {
+    for sign in [-1.0, 1.0] {
+        for (slope, expected) in [(2.0, 0), (5.0, 0), (12.0, 0), (200.0, 1)] {
+            for stay in [8, 40] {
+                let ran = |k: usize| slope * (k as f64 - 200.0);
+                let end = 200 + (100.0 / slope) as usize + stay;
+                let table = gyro(|k, [_, y, z]| match k {
+                    k if k <= 200 || k > end => [noise(k), y, z],
+                    k => [sign * ran(k).min(100.0), y, z],
+                });
+                let found = names(&table);
+                let count = found.iter().filter(|f| f.0 == Check::Placeholder).count();
+                assert_eq!(count, expected, "{sign} {slope} {stay}: {found:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn exact_a_wheel_read_more_often_than_it_tells_keeps_each_of_its_values() {
     let rows = |value: &dyn Fn(usize) -> f64| {
