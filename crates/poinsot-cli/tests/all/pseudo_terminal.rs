@@ -242,7 +242,7 @@ fn cli_no_table_breaks_a_word_or_a_number_or_leaves_the_terminal() {
     for verb in Arguments::command().get_subcommands() {
         for words in of_verb(verb.get_name()) {
             let wide = shown(folder.path(), &words, 1000);
-            for columns in [60, 80] {
+            for columns in [60, 80, 100, 120] {
                 let narrow = shown(folder.path(), &words, columns);
                 let of = words.join(" ");
                 for line in narrow.lines() {

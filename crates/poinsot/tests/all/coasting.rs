@@ -1,6 +1,7 @@
 //! A spin with a small nutation, seen by a gyro alone, from a model whose nutation has another frequency: chi-square has a minimum for
 //! every whole turn of the difference. Truth: the closed form of the torque-free top.
 
+use crate::tables;
 use nalgebra::{Matrix3, Vector3};
 use poinsot::{IdentifyRequest, Question, estimate_file, identify};
 use poinsot_formats::EstimateFile;
@@ -103,7 +104,7 @@ omega_z = {{ column = "z", unit = "deg/s" }}
 /// withheld; none is answered with another turn.
 #[test]
 fn stat_nutation_is_found_from_the_wrong_turn() {
-    let trials = std::env::var("POINSOT_TRIALS").map_or(2, |n| n.parse().unwrap());
+    let trials = tables::trials(2);
     let folder = tempfile::tempdir().unwrap();
     let own = folder.path().join("model.toml");
     std::fs::write(&own, model()).unwrap();

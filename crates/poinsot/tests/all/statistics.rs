@@ -4,6 +4,7 @@
 
 use crate::setups;
 use crate::shared::{faults, rows, statistics, undiagnosed};
+use crate::tables;
 use poinsot_report::{prediction_document, statistics_document};
 
 use nalgebra::Matrix3;
@@ -22,7 +23,7 @@ use std::path::{Path, PathBuf};
 const FAST: u64 = 150;
 
 fn judge(study: &Study, trials: u64) -> MethodResultFile {
-    let result = statistics(&rows(study, 0..trials));
+    let result = statistics(&rows(study, 0..tables::trials(trials)));
     println!("{}", statistics_document("", &result));
     result
 }
@@ -123,7 +124,7 @@ fn stat_no_honest_trial_is_doubted() {
         ("tug_thrusters", 5),
     ] {
         let study = study(name, stride);
-        for trial in 0..6 {
+        for trial in 0..tables::trials(6) {
             let (tables, _) = study.draw(trial);
             let tree = Tree::new(&study.model);
             let bound = bind(&study.model, &tree, &tables).unwrap();
@@ -182,7 +183,7 @@ fn stat_covariance_of_mass_properties_and_nuisances_together_is_that_of_the_erro
         .position(|s| s.kind == SensorKind::Gyro)
         .unwrap();
     let truth = study.truth[0];
-    let (trials, mut sum, mut mass_alone, mut count) = (120, 0.0, 0.0, 0);
+    let (trials, mut sum, mut mass_alone, mut count) = (tables::trials(120), 0.0, 0.0, 0);
     for trial in 0..trials {
         let (tables, biases) = study.draw(trial);
         let bound = bind(model, &tree, &tables).unwrap();

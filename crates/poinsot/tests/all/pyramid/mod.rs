@@ -4,6 +4,7 @@
 mod satellite;
 mod total_momentum;
 
+use crate::tables::trials;
 use nalgebra::{DMatrix, DVector};
 use poinsot::bind::bind;
 use poinsot::{Identified, Question, identify_tables};
@@ -283,7 +284,7 @@ fn stat_a_prediction_says_the_sigmas_that_an_answer_states() {
         };
         let model = satellite::model(&ideal);
         let tree = Tree::new(&model);
-        for seed in 0..1 {
+        for seed in 0..trials(1) {
             let bound = bind(&model, &tree, &[satellite::table(&ideal, seed)]).unwrap();
             let predicted = predicted_covariance(&bound.problem(&model, &tree)).unwrap();
             let table = satellite::table(&case, seed);
